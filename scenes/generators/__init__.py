@@ -1,7 +1,8 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import cornell
+from . import cornell, one_weekend
 
 SCENES = {
     "cornell": cornell.files,
+    "one-weekend": one_weekend.files,
 }
