@@ -1,0 +1,57 @@
+#pragma once
+// Pictures in and out: OpenEXR and PNG (stb), and textures in whatever stb reads.
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "raylab/image/image.hpp"
+
+namespace raylab {
+
+/// One more channel of an EXR file, such as "Z" or "albedo.R"; float or half.
+struct Layer {
+  std::string name;
+  bool as_float = false;
+  std::vector<float> values;  ///< width * height
+};
+
+/// Attributes stored beside the picture: EXR header attributes of string type, PNG text.
+using Attributes = std::map<std::string, std::string>;
+
+/// Writes R, G, B, A (A = 1) as half, and the layers, to an EXR file. Values beyond half's range are clamped to
+/// it. Written beside and renamed: an existing file stays as it was if anything fails.
+/// Throws Error (output).
+void write_exr(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
+               const Attributes& attributes = {});
+
+/// Writes an 8-bit PNG with the sRGB curve, rounding to nearest. Beside and renamed. Throws Error (output).
+void write_png(const std::filesystem::path& file, const Image& image);
+
+/// By the file's ending, .exr or .png, any case. Throws Error (usage) for another one.
+void write_image(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
+                 const Attributes& attributes = {});
+
+/// Throws Error (usage) when write_image would refuse the name, and Error (output) when its folder is missing or
+/// cannot be written: asked before a render starts, not after.
+void check_writable_image(const std::filesystem::path& file);
+
+/// An image with 8 bits a channel as decoded from the file, not linearised; 1 to 4 channels widened to RGB.
+struct Image8 {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< width * height * 3
+};
+
+/// Reads R, G, B of an EXR file (the first part). Throws Error (input): missing, not EXR, without R G B, truncated.
+Image read_exr(const std::filesystem::path& file);
+Attributes read_exr_attributes(const std::filesystem::path& file);
+
+/// Reads PNG, JPEG, TGA, BMP and what else stb_image knows, as 8-bit. Throws Error (input).
+Image8 read_image8(const std::filesystem::path& file);
+
+/// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input).
+Image read_image(const std::filesystem::path& file);
+
+}  // namespace raylab
