@@ -1,8 +1,9 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import cornell, one_weekend
+from . import cornell, dragon, one_weekend
 
 SCENES = {
     "cornell": cornell.files,
     "one-weekend": one_weekend.files,
+    "dragon": dragon.files,
 }
