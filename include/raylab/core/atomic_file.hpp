@@ -1,0 +1,35 @@
+#pragma once
+#include <filesystem>
+#include <fstream>
+
+namespace raylab {
+
+/// A file written whole or not at all: what is streamed goes to a temporary file in the same folder, and commit()
+/// renames that over the file. Without a commit the temporary file is removed and a file that was there before
+/// stays as it was. A symbolic link is followed; a device or pipe is written directly.
+class AtomicFile {
+ public:
+  /// Opens the temporary file. Throws Error (output) with the system's reason: the folder is missing or cannot be
+  /// written, the file is a folder, the disk is full.
+  explicit AtomicFile(const std::filesystem::path& file);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Binary, and need not be checked while writing: commit() does.
+  std::ofstream& stream() { return stream_; }
+
+  /// Puts what was written in the file's place. Throws Error (output) if any of it could not be written.
+  void commit();
+
+ private:
+  std::filesystem::path file_;       ///< as the caller named it, for messages
+  std::filesystem::path target_;     ///< file_ with links followed
+  std::filesystem::path temporary_;  ///< empty when there is none (any more)
+  std::ofstream stream_;
+};
+
+/// Throws the Error (output) that writing the file would throw now. Leaves nothing behind.
+void check_writable(const std::filesystem::path& file);
+
+}  // namespace raylab
