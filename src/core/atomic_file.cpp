@@ -46,8 +46,10 @@ AtomicFile::AtomicFile(const fs::path& file) : file_(file), target_(file) {
   if (!file.has_filename()) fail(file, ENOENT);
   const bool replaceable = !fs::exists(status) || fs::is_regular_file(status);
   if (replaceable) {
-    if (fs::exists(status)) target_ = fs::canonical(file, error);
-    if (error && fs::exists(status)) fail(file, error.value());
+    if (fs::exists(status)) {
+      target_ = fs::canonical(file, error);
+      if (error) fail(file, error.value());
+    }
     temporary_ = create_temporary(target_.has_parent_path() ? target_.parent_path() : ".", file);
   }
   errno = 0;
