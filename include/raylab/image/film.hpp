@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -7,41 +9,64 @@
 
 namespace raylab {
 
-/// Sum of floats in 128-bit fixed point with 80 fractional bits. Adding is exact but for what lies below
-/// 2^-80 of each term, so a sum does not depend on the order or grouping of its terms: pictures are equal to
-/// the bit however samples are split over threads, tiles, passes and machines.
+/// Sum of up to 2^32 numbers in 128-bit fixed point with 55 fractional bits. Each number is cut towards zero to a
+/// multiple of 2^-55, which leaves a float of 2^-32 or more as it is; from there on the sum is exact and cannot
+/// overflow. It does not depend on the order or grouping of its terms, nor on whether denormals are flushed:
+/// pictures are equal to the bit however samples are split over threads, tiles, passes and machines.
 class ExactSum {
  public:
-  /// x must be finite; sizes above 2^40 are clamped to it.
-  void add(float x);
+  static constexpr double kLargest = 0x1p40;  ///< terms are clamped to this size
+  static constexpr int kFractionBits = 55;
+
+  /// x must not be NaN.
+  void add(double x) {
+    x = std::clamp(x, -kLargest, kLargest);
+    const auto whole = static_cast<std::int64_t>(x);
+    const auto fraction = static_cast<std::int64_t>((x - static_cast<double>(whole)) * kScale);
+    sum_ += (static_cast<__int128>(whole) << kFractionBits) + fraction;
+  }
   void add(const ExactSum& other) { sum_ += other.sum_; }
-  double value() const;
+
+  /// The sum, rounded once to the nearest double.
+  double value() const { return static_cast<double>(sum_) / kScale; }
   bool operator==(const ExactSum&) const = default;
 
  private:
+  static constexpr double kScale = static_cast<double>(std::int64_t{1} << kFractionBits);
+
   __int128 sum_ = 0;
 };
 
-/// What has been gathered for one pixel.
-struct PixelSum {
+/// What has been gathered for one pixel; a cache line, so that neighbours do not share one between threads.
+struct alignas(64) PixelSum {
   ExactSum rgb[3];
   ExactSum luminance_squared;
 };
+static_assert(sizeof(PixelSum) == 64);
 
 /// Sums of samples for each pixel of a width x height picture, of which a crop window is rendered.
 /// Different pixels may be written from different threads at the same time.
 class Film {
  public:
+  /// Both sizes must be positive.
   Film(int width, int height);
 
   int width() const { return width_; }
   int height() const { return height_; }
 
   /// Adds one sample. Non-finite and negative ones must have been dropped by the caller.
-  void add(int x, int y, const Rgb& radiance);
+  void add(int x, int y, const Rgb& radiance) {
+    const std::size_t i = index(x, y);
+    PixelSum& sum = sums_[i];
+    for (int c = 0; c < 3; ++c) sum.rgb[c].add(radiance[c]);
+    const double l = luminance_of(radiance.r, radiance.g, radiance.b);
+    sum.luminance_squared.add(l * l);
+    ++samples_[i];
+  }
 
-  /// Counts a sample that was taken but is not used: it lowers the pixel's sample count only.
-  void skip(int x, int y);
+  /// Counts a sample that was taken but is not used, as if it had been black: it raises the pixel's sample count
+  /// only, and with it lowers the mean.
+  void skip(int x, int y) { ++samples_[index(x, y)]; }
 
   std::uint32_t samples(int x, int y) const { return samples_[index(x, y)]; }
 
@@ -49,10 +74,12 @@ class Film {
   Rgb mean(int x, int y) const;
 
   /// Estimated variance of mean luminance: sample variance / n. 0 with fewer than two samples.
-  /// With stratified samplers it overestimates.
+  /// With stratified samplers it overestimates; with luminances above 2^20, whose squares are clamped, it
+  /// underestimates.
   double variance_of_mean(int x, int y) const;
 
-  /// Mean over all sampled pixels of variance_of_mean / (luminance² + 0.01): estimate of the picture's relMSE.
+  /// Mean of variance_of_mean / (luminance² + 0.01) over the pixels with two samples or more: estimate of the
+  /// picture's relMSE. Infinity where no pixel has two samples, since then nothing is known.
   double estimated_relmse() const;
 
   Image image() const;
@@ -63,7 +90,15 @@ class Film {
   void clear();
 
  private:
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+
+  /// In double: the variance of equal samples must not drown in the rounding of their squares.
+  static double luminance_of(double r, double g, double b) { return 0.2126 * r + 0.7152 * g + 0.0722 * b; }
+
+  double mean_luminance(std::size_t pixel) const;
+  double variance_of_mean(std::size_t pixel) const;
 
   int width_, height_;
   std::vector<PixelSum> sums_;

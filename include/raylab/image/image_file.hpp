@@ -12,12 +12,12 @@ namespace raylab {
 
 /// One more channel of an EXR file, such as "Z" or "albedo.R"; float or half.
 struct Layer {
-  std::string name;
+  std::string name;  ///< none of R, G, B, A, and no other layer's
   bool as_float = false;
   std::vector<float> values;  ///< width * height
 };
 
-/// Attributes stored beside the picture: EXR header attributes of string type, PNG text.
+/// Texts stored beside the picture: EXR header attributes of string type. PNG files carry none.
 using Attributes = std::map<std::string, std::string>;
 
 /// Writes R, G, B, A (A = 1) as half, and the layers, to an EXR file. Values beyond half's range are clamped to
@@ -29,7 +29,8 @@ void write_exr(const std::filesystem::path& file, const Image& image, const std:
 /// Writes an 8-bit PNG with the sRGB curve, rounding to nearest. Beside and renamed. Throws Error (output).
 void write_png(const std::filesystem::path& file, const Image& image);
 
-/// By the file's ending, .exr or .png, any case. Throws Error (usage) for another one.
+/// By the file's ending, .exr or .png, any case; layers and attributes go to EXR only. Throws Error (usage) for
+/// another ending.
 void write_image(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
                  const Attributes& attributes = {});
 
@@ -37,21 +38,34 @@ void write_image(const std::filesystem::path& file, const Image& image, const st
 /// cannot be written: asked before a render starts, not after.
 void check_writable_image(const std::filesystem::path& file);
 
-/// An image with 8 bits a channel as decoded from the file, not linearised; 1 to 4 channels widened to RGB.
+/// An image with 8 bits a channel as decoded from the file, not linearised; 1 to 4 channels widened to RGB, alpha
+/// left out.
 struct Image8 {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgb;  ///< width * height * 3
 };
 
-/// Reads R, G, B of an EXR file (the first part). Throws Error (input): missing, not EXR, without R G B, truncated.
+/// What a picture file says of itself.
+struct ImageInfo {
+  int width = 0;
+  int height = 0;
+  std::vector<std::string> channels;  ///< name and type, such as "R half" or "Y 8-bit"
+  Attributes attributes;
+};
+
+/// Reads R, G, B of an EXR file (the first part), over its display window: what lies outside the data window is
+/// black. Throws Error (input): missing, not EXR, without R G B, truncated, above 2^28 pixels.
 Image read_exr(const std::filesystem::path& file);
 Attributes read_exr_attributes(const std::filesystem::path& file);
 
-/// Reads PNG, JPEG, TGA, BMP and what else stb_image knows, as 8-bit. Throws Error (input).
+/// Reads PNG, JPEG, TGA, BMP and what else stb_image knows but HDR, as 8-bit. Throws Error (input).
 Image8 read_image8(const std::filesystem::path& file);
 
 /// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input).
 Image read_image(const std::filesystem::path& file);
+
+/// Size, channels and attributes of an EXR or other picture, without its pixels. Throws Error (input).
+ImageInfo read_image_info(const std::filesystem::path& file);
 
 }  // namespace raylab

@@ -1,0 +1,90 @@
+#include "raylab/image/image_file.hpp"
+
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <system_error>
+
+#include "formats.hpp"
+#include "raylab/core/atomic_file.hpp"
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lowercase_ending(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+enum class Format { exr, png };
+
+Format output_format(const fs::path& file) {
+  const std::string ending = lowercase_ending(file);
+  if (ending == ".exr") return Format::exr;
+  if (ending == ".png") return Format::png;
+  throw Error(ErrorKind::usage, file.string(),
+              (ending.empty() ? "a picture's name without an ending" : "the ending " + ending + " is not known") +
+                  std::string("; expected .exr or .png"));
+}
+
+}  // namespace
+
+namespace detail {
+
+InputFile open_input(const fs::path& file) {
+  const auto fail = [&](int error) {
+    throw Error(ErrorKind::input, file.string(), "cannot be read: " + std::generic_category().message(error));
+  };
+  std::error_code ignored;
+  // Opening a folder succeeds on Linux; only reading from it fails.
+  if (fs::is_directory(file, ignored)) fail(EISDIR);
+  InputFile opened(std::fopen(file.c_str(), "rb"));
+  if (!opened) fail(errno);
+  return opened;
+}
+
+bool is_exr(const fs::path& file) {
+  const InputFile opened = open_input(file);
+  constexpr std::array<unsigned char, 4> kMagic{0x76, 0x2f, 0x31, 0x01};
+  std::array<unsigned char, 4> start{};
+  const bool magic = std::fread(start.data(), 1, start.size(), opened.get()) == start.size() && start == kMagic;
+  return magic || lowercase_ending(file) == ".exr";
+}
+
+}  // namespace detail
+
+void write_image(const fs::path& file, const Image& image, const std::vector<Layer>& layers,
+                 const Attributes& attributes) {
+  switch (output_format(file)) {
+    case Format::exr: return write_exr(file, image, layers, attributes);
+    case Format::png: return write_png(file, image);
+  }
+}
+
+void check_writable_image(const fs::path& file) {
+  output_format(file);
+  check_writable(file);
+}
+
+Image read_image(const fs::path& file) {
+  if (detail::is_exr(file)) return read_exr(file);
+  const Image8 encoded = read_image8(file);
+  std::array<float, 256> linear{};
+  for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = srgb_to_linear(static_cast<float>(i) / 255.0f);
+  Image image(encoded.width, encoded.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) image.pixels[i][c] = linear[encoded.rgb[3 * i + static_cast<std::size_t>(c)]];
+  }
+  return image;
+}
+
+ImageInfo read_image_info(const fs::path& file) {
+  return detail::is_exr(file) ? detail::read_exr_info(file) : detail::read_image8_info(file);
+}
+
+}  // namespace raylab
