@@ -32,14 +32,7 @@ std::size_t Geometry::triangle_count() const {
 
 Bounds Geometry::bounds() const {
   Bounds all;
-  for (const TriangleMesh& mesh : meshes) {
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (is_valid_triangle(mesh, i)) all.extend(triangle_bounds(triangle_corners(mesh, i)));
-    }
-  }
-  for (const Sphere& sphere : spheres) {
-    if (is_valid_sphere(sphere)) all.extend(sphere_bounds(sphere));
-  }
+  for (const PrimitiveId& id : valid_primitives(*this)) all.extend(primitive_bounds(*this, id));
   return all;
 }
 
@@ -58,6 +51,26 @@ bool is_valid_triangle(const TriangleMesh& mesh, std::uint32_t triangle) {
 
 bool is_valid_sphere(const Sphere& sphere) {
   return usable(sphere.center) && sphere.radius > 0.0f && sphere.radius <= kLargestCoordinate;
+}
+
+std::vector<PrimitiveId> valid_primitives(const Geometry& geometry) {
+  std::vector<PrimitiveId> valid;
+  valid.reserve(geometry.primitive_count());
+  for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
+    const TriangleMesh& mesh = geometry.meshes[m];
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (is_valid_triangle(mesh, i)) valid.push_back({m, i});
+    }
+  }
+  for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
+    if (is_valid_sphere(geometry.spheres[i])) valid.push_back({geometry.sphere_geometry(), i});
+  }
+  return valid;
+}
+
+Bounds primitive_bounds(const Geometry& geometry, const PrimitiveId& id) {
+  if (geometry.is_sphere(id.geometry)) return sphere_bounds(geometry.spheres[id.primitive]);
+  return triangle_bounds(triangle_corners(geometry.meshes[id.geometry], id.primitive));
 }
 
 Bounds sphere_bounds(const Sphere& sphere) {

@@ -37,6 +37,14 @@ struct Sphere {
   float radius;  ///< positive
 };
 
+/// One primitive of a Geometry.
+struct PrimitiveId {
+  std::uint32_t geometry;
+  std::uint32_t primitive;
+
+  bool operator==(const PrimitiveId&) const = default;
+};
+
 /// All primitives of a scene. Geometry ids count the meshes first; all the spheres together are one geometry
 /// whose id follows the last mesh's.
 struct Geometry {
@@ -83,6 +91,9 @@ inline constexpr float kLargestCoordinate = 1.844e18f;
 bool is_valid_triangle(const TriangleMesh& mesh, std::uint32_t triangle);
 bool is_valid_sphere(const Sphere& sphere);
 
+/// The valid primitives in order of their ids; primitive_count() less their number is how many are invalid.
+std::vector<PrimitiveId> valid_primitives(const Geometry& geometry);
+
 /// Bounds of the exact sphere: rounded outward.
 Bounds sphere_bounds(const Sphere& sphere);
 inline Bounds triangle_bounds(const Triangle& t) {
@@ -92,5 +103,8 @@ inline Bounds triangle_bounds(const Triangle& t) {
   b.extend(t.p2);
   return b;
 }
+
+/// Bounds of a valid primitive.
+Bounds primitive_bounds(const Geometry& geometry, const PrimitiveId& id);
 
 }  // namespace raylab

@@ -117,6 +117,23 @@ inline std::optional<std::pair<float, float>> sphere_roots(const Ray& ray, const
   return t0 < t1 ? std::pair(t0, t1) : std::pair(t1, t0);
 }
 
+/// The book's sphere test, kept for comparison: the quadratic formula in floats, which cancels where the sphere
+/// is far away or the origin close to a large one (Shirley et al., Ray Tracing in One Weekend).
+inline std::optional<float> intersect_sphere_book(const Ray& ray, const Sphere& sphere, float t_min, float t_max) {
+  const vec3 to_center = sphere.center - ray.origin;
+  const float a = glm::dot(ray.direction, ray.direction);
+  const float h = glm::dot(ray.direction, to_center);
+  const float c = glm::dot(to_center, to_center) - sphere.radius * sphere.radius;
+  const float discriminant = h * h - a * c;
+  if (!(discriminant >= 0.0f)) return std::nullopt;
+  const float root = std::sqrt(discriminant);
+  const float t0 = (h - root) / a;
+  if (t0 > t_min && t0 < t_max) return t0;
+  const float t1 = (h + root) / a;
+  if (t1 > t_min && t1 < t_max) return t1;
+  return std::nullopt;
+}
+
 /// Closest distance to the sphere inside the interval, from outside or inside.
 inline std::optional<float> intersect_sphere(const Ray& ray, const Sphere& sphere, float t_min, float t_max) {
   const auto roots = sphere_roots(ray, sphere);

@@ -1,0 +1,298 @@
+// `embree` and `embree-robust`: Intel Embree 3 or 4, the same source for both.
+// Triangles are Embree's own. Spheres are ours, by callback: Embree's have no stable roots and miss the ground
+// sphere of radius 1e6 by 13% of the distance.
+#if RAYLAB_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cfloat>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+#include "backends.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/timing.hpp"
+
+namespace raylab {
+
+namespace {
+
+struct DeviceRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct SceneRelease {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct GeometryRelease {
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, DeviceRelease>;
+using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneRelease>;
+using EmbreeGeometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, GeometryRelease>;
+
+#if RAYLAB_EMBREE_MAJOR >= 4
+void embree_intersect(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray, nullptr); }
+void embree_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+#else
+void embree_intersect(RTCScene scene, RTCRayHit& ray) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+}
+void embree_occluded(RTCScene scene, RTCRay& ray) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+}
+#endif
+
+/// Largest and smallest length (of the largest component) that a direction may have without being rescaled:
+/// Embree takes components below 1e-18 for 1e-18 in its box tests.
+constexpr float kLargestDirection = 0x1p30f;
+constexpr float kSmallestDirection = 0x1p-30f;
+
+/// The ray as Embree takes it, and the power of two its direction was multiplied by.
+/// Embree's modes differ at the ends of the interval: robust includes t_min, fast excludes it, both include
+/// t_max. So the ends are moved inward by one float; and off zero, since a denormal t_min counts as zero.
+float to_embree(const Ray& ray, RTCRay& out) {
+  const vec3 size = glm::abs(ray.direction);
+  const float largest = max_component(size);
+  float scale = 1.0f;
+  if (!(largest <= kLargestDirection && largest >= kSmallestDirection)) {
+    scale = std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
+  }
+  out.org_x = ray.origin.x;
+  out.org_y = ray.origin.y;
+  out.org_z = ray.origin.z;
+  out.dir_x = ray.direction.x * scale;
+  out.dir_y = ray.direction.y * scale;
+  out.dir_z = ray.direction.z * scale;
+  out.tnear = std::max(next_float_up(ray.t_min) / scale, FLT_MIN);
+  out.tfar = next_float_down(ray.t_max) / scale;
+  out.time = 0.0f;
+  out.mask = ~0u;  // the default differs between Embree 3 and 4
+  out.id = 0;
+  out.flags = 0;
+  return scale;
+}
+
+bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
+  const Ray own{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}};
+  const Sphere& sphere = static_cast<const Geometry*>(user)->spheres[primitive];
+  // Embree's interval is closed, ours is open.
+  const auto hit = intersect_sphere(own, sphere, next_float_down(ray.tnear), next_float_up(ray.tfar));
+  if (hit) t = *hit;
+  return hit.has_value();
+}
+
+void sphere_bounds_callback(const RTCBoundsFunctionArguments* args) {
+  const Sphere& sphere = static_cast<const Geometry*>(args->geometryUserPtr)->spheres[args->primID];
+  const Bounds b = is_valid_sphere(sphere) ? sphere_bounds(sphere) : Bounds();  // Embree drops empty ones
+  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0.0f, b.upper.x, b.upper.y, b.upper.z, 0.0f};
+}
+
+// Only single rays are traced, so a packet of N rays is one ray.
+void sphere_intersect_callback(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const bool hit = hit_sphere(args->geometryUserPtr, args->primID, query.ray, query.ray.tfar);
+  if (hit) {
+    query.hit.u = query.hit.v = 0.0f;
+    query.hit.geomID = args->geomID;
+    query.hit.primID = args->primID;
+  }
+  args->valid[0] = hit ? -1 : 0;
+}
+
+void sphere_occluded_callback(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  float t;
+  const bool hit = hit_sphere(args->geometryUserPtr, args->primID, ray, t);
+  if (hit) ray.tfar = -kInfinity;
+  args->valid[0] = hit ? -1 : 0;
+}
+
+bool count_bytes(void* total, ssize_t bytes, bool) {
+  static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+/// The best instruction set that both this machine and the installed Embree have, which is the one Embree uses.
+/// Embree tells it only in the text that a verbose device prints, so that is what is read, once.
+std::string read_isa() {
+  std::ostringstream text;
+  std::streambuf* const console = std::cout.rdbuf(text.rdbuf());
+  { const Device device(rtcNewDevice("verbose=1")); }
+  std::cout.rdbuf(console);
+
+  std::string line, supported, compiled;
+  for (std::istringstream lines(text.str()); std::getline(lines, line);) {
+    if (line.find("(supported)") != std::string::npos) supported = line;
+    if (line.find("(compile time enabled)") != std::string::npos) compiled = line;
+  }
+  std::string isa;
+  std::istringstream words(compiled);
+  for (std::string word; words >> word;) {  // from the oldest to the newest
+    if (supported.find(' ' + word + ' ') != std::string::npos) isa = word;
+  }
+  std::transform(isa.begin(), isa.end(), isa.begin(), [](unsigned char c) { return std::tolower(c); });
+  return isa;
+}
+
+const std::string& embree_isa() {
+  static const std::string isa = read_isa();
+  return isa;
+}
+
+class Embree final : public Accelerator {
+ public:
+  Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
+    report_.isa = embree_isa();
+    const Stopwatch watch;
+    const std::string config = options.threads > 0 ? "threads=" + std::to_string(options.threads) : "";
+    device_.reset(rtcNewDevice(config.c_str()));
+    check_device();
+    rtcSetDeviceMemoryMonitorFunction(device_.get(), count_bytes, &bytes_);
+    scene_.reset(rtcNewScene(device_.get()));
+    check_device();
+    rtcSetSceneFlags(scene_.get(), robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_MEDIUM);
+
+    original_.resize(geometry.meshes.size() + 1);
+    for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) add_mesh(geometry.meshes[m], m);
+    add_spheres(geometry);
+    rtcCommitScene(scene_.get());
+    check_device();
+
+    for (const auto& triangles : original_) report_.bytes += triangles.capacity() * sizeof(std::uint32_t);
+    report_.bytes += sizeof(*this) + static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytes_, 0));
+    report_.invalid_primitives = geometry.primitive_count() - report_.primitives;
+    report_.seconds = watch.seconds();
+  }
+
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+    RTCRayHit query;
+    const float scale = to_embree(ray, query.ray);
+    const float tnear = query.ray.tnear;
+    const float tfar = query.ray.tfar;
+    if (!(tnear <= tfar)) return std::nullopt;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    embree_intersect(scene_.get(), query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    // Embree compares t times a determinant, so the quotient it reports can be a float outside the interval.
+    // Clamped, the answer stays the one that occluded() gives.
+    const float t = std::clamp(query.ray.tfar, tnear, tfar) * scale;
+    const auto& original = original_[query.hit.geomID];
+    const std::uint32_t primitive = original.empty() ? query.hit.primID : original[query.hit.primID];
+    return Hit{t, query.hit.u, query.hit.v, query.hit.geomID, primitive};
+  }
+
+  bool occluded(const Ray& ray) const noexcept override {
+    RTCRay query;
+    to_embree(ray, query);
+    if (!(query.tnear <= query.tfar)) return false;
+    embree_occluded(scene_.get(), query);
+    return query.tfar < 0.0f;
+  }
+
+  const BuildReport& build_report() const noexcept override { return report_; }
+
+ private:
+  void check_device() const {
+    const RTCError error = rtcGetDeviceError(device_.get());
+    if (error == RTC_ERROR_NONE) return;
+    throw Error(ErrorKind::failure, "embree", "error " + std::to_string(error) + " while building");
+  }
+
+  void attach(RTCGeometry geometry, std::uint32_t id) {
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene_.get(), geometry, id);
+  }
+
+  /// Views the arrays of the mesh. Only where triangles are invalid Embree gets a list of its own, without
+  /// them: it does not check indices.
+  void add_mesh(const TriangleMesh& mesh, std::uint32_t id) {
+    const std::size_t count = mesh.triangles.size();
+    std::vector<std::uint32_t> valid;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (is_valid_triangle(mesh, i)) valid.push_back(i);
+    }
+    report_.primitives += valid.size();
+    if (valid.empty()) return;
+
+    const EmbreeGeometry triangles(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    const std::size_t vertices = mesh.positions.size();
+    if (mesh.positions.capacity() > vertices) {
+      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                 mesh.positions.data(), 0, sizeof(vec3), vertices);
+    } else {  // not padded: Embree would read past the end
+      void* copy = new_buffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(vec3), vertices);
+      std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<vec3*>(copy));
+    }
+    if (valid.size() == count) {
+      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                 mesh.triangles.data(), 0, sizeof(uvec3), count);
+    } else {
+      auto* copy = static_cast<uvec3*>(
+          new_buffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(uvec3), valid.size()));
+      for (const std::uint32_t i : valid) *copy++ = mesh.triangles[i];
+      original_[id] = std::move(valid);
+    }
+    attach(triangles.get(), id);
+  }
+
+  void add_spheres(const Geometry& geometry) {
+    const auto valid = std::count_if(geometry.spheres.begin(), geometry.spheres.end(), is_valid_sphere);
+    report_.primitives += static_cast<std::size_t>(valid);
+    if (valid == 0) return;
+    const EmbreeGeometry spheres(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER));
+    rtcSetGeometryUserPrimitiveCount(spheres.get(), static_cast<unsigned>(geometry.spheres.size()));
+    rtcSetGeometryUserData(spheres.get(), const_cast<Geometry*>(&geometry));
+    rtcSetGeometryBoundsFunction(spheres.get(), sphere_bounds_callback, nullptr);
+    rtcSetGeometryIntersectFunction(spheres.get(), sphere_intersect_callback);
+    rtcSetGeometryOccludedFunction(spheres.get(), sphere_occluded_callback);
+    attach(spheres.get(), geometry.sphere_geometry());
+  }
+
+  void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t stride,
+                   std::size_t count) {
+    void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
+    if (!buffer) check_device();
+    return buffer;
+  }
+
+  std::atomic<std::ptrdiff_t> bytes_{0};  // outlives the device, which counts into it
+  Device device_;
+  EmbreeScene scene_;
+  /// For each geometry the ids of the primitives given to Embree; empty where those are all it has.
+  std::vector<std::vector<std::uint32_t>> original_;
+  BuildReport report_;
+};
+
+std::unique_ptr<Accelerator> make(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
+  if (options.intersector) {
+    throw Error(ErrorKind::usage, "--intersector",
+                "Embree brings its own triangle test; list and rtiow take one");
+  }
+  return std::make_unique<Embree>(geometry, options, robust);
+}
+
+}  // namespace
+
+std::unique_ptr<Accelerator> make_embree(const Geometry& geometry, const AcceleratorOptions& options) {
+  return make(geometry, options, false);
+}
+
+std::unique_ptr<Accelerator> make_embree_robust(const Geometry& geometry, const AcceleratorOptions& options) {
+  return make(geometry, options, true);
+}
+
+}  // namespace raylab
