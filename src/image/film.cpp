@@ -62,12 +62,16 @@ Image Film::image() const {
   return picture;
 }
 
-void Film::add(const Film& other) {
-  RAYLAB_CHECK(width_ == other.width_ && height_ == other.height_);
-  for (std::size_t i = 0; i < sums_.size(); ++i) {
-    for (int c = 0; c < 3; ++c) sums_[i].rgb[c].add(other.sums_[i].rgb[c]);
-    sums_[i].luminance_squared.add(other.sums_[i].luminance_squared);
-    samples_[i] += other.samples_[i];
+void Film::add(const Film& other, int x, int y) {
+  RAYLAB_CHECK(x >= 0 && y >= 0 && other.width_ <= width_ - x && other.height_ <= height_ - y);
+  for (int row = 0; row < other.height_; ++row) {
+    for (int column = 0; column < other.width_; ++column) {
+      const std::size_t from = other.index(column, row);
+      const std::size_t to = index(x + column, y + row);
+      for (int c = 0; c < 3; ++c) sums_[to].rgb[c].add(other.sums_[from].rgb[c]);
+      sums_[to].luminance_squared.add(other.sums_[from].luminance_squared);
+      samples_[to] += other.samples_[from];
+    }
   }
 }
 

@@ -84,8 +84,8 @@ class Film {
 
   Image image() const;
 
-  /// Adds another film's samples to this one's. Both must have the same size.
-  void add(const Film& other);
+  /// Adds another film's samples to this one's, its upper left pixel to pixel (x, y), where all of it must fit.
+  void add(const Film& other, int x = 0, int y = 0);
 
   void clear();
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,5 +39,26 @@ struct Texture {
 
 /// Bilinear look-up with repeat; texel centres at half-integers; v upwards.
 Rgb sample_image(const TextureImage& image, const vec2& uv);
+
+/// Colour of the texture at world position p and texture coordinates uv.
+inline Rgb texture_color(const Texture& texture, const std::vector<TextureImage>& images, const vec3& p,
+                         const vec2& uv) {
+  if (texture.kind == Texture::Kind::solid) return texture.a;
+  if (texture.kind == Texture::Kind::image) return sample_image(images[texture.image], uv);
+  const vec3 cell = glm::floor(p / texture.size);
+  // Parity in float: cells too large for an integer type are even, and nothing overflows.
+  const float sum = cell.x + cell.y + cell.z;
+  return sum - 2.0f * std::floor(0.5f * sum) == 0.0f ? texture.a : texture.b;
+}
+
+/// Mean luminance over the texture, for choosing among lights.
+inline float mean_luminance(const Texture& texture, const std::vector<TextureImage>& images) {
+  switch (texture.kind) {
+    case Texture::Kind::solid: return luminance(texture.a);
+    case Texture::Kind::checker: return 0.5f * (luminance(texture.a) + luminance(texture.b));
+    case Texture::Kind::image: return luminance(images[texture.image].mean);
+  }
+  return 0.0f;
+}
 
 }  // namespace raylab

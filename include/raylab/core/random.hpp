@@ -1,0 +1,56 @@
+#pragma once
+// Counter-based random numbers and low-discrepancy points: each number is a function of its indices alone.
+#include <cstdint>
+
+#include "raylab/core/numeric.hpp"
+#include "raylab/core/vec.hpp"
+
+namespace raylab {
+
+/// Bijective mixing of 64 bits (the finaliser of SplitMix64, Steele et al. 2014, with Stafford's "variant 13").
+inline std::uint64_t mix_bits(std::uint64_t x) {
+  x ^= x >> 30;
+  x *= 0xbf58476d1ce4e5b9ull;
+  x ^= x >> 27;
+  x *= 0x94d049bb133111ebull;
+  x ^= x >> 31;
+  return x;
+}
+
+/// The upper 24 bits as a float in [0, 1): 0xffffffff gives 1 - 2^-24, never 1.
+inline float bits_to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+inline std::uint32_t reverse_bits(std::uint32_t x) {
+  x = __builtin_bswap32(x);
+  x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
+  x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+  x = ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
+  return x;
+}
+
+/// Owen scrambling of a number whose bits stand in reverse order, least significant digit of the fraction first:
+/// each bit is flipped or not as a hash of the bits below it says. Laine and Karras 2011 found the form; Burley
+/// 2020, "Practical Hash-based Owen Scrambling" (JCGT 9:4), its use; the constants are Vegdahl's.
+inline std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= (seed >> 16) | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
+  return x;
+}
+
+/// Bits of the second Sobol coordinate of point `index`, in reverse order. Direction k is (1 + x)^k over GF(2), so
+/// the sum over the bits of the index is its polynomial shifted by one, which halves into five steps because
+/// (1 + x)^16 = 1 + x^16, and so on.
+inline std::uint32_t sobol_second_reversed(std::uint32_t index) {
+  std::uint32_t v = index;
+  v ^= (v >> 16) & 0x0000ffffu;
+  v ^= (v >> 8) & 0x00ff00ffu;
+  v ^= (v >> 4) & 0x0f0f0f0fu;
+  v ^= (v >> 2) & 0x33333333u;
+  v ^= (v >> 1) & 0x55555555u;
+  return v;
+}
+
+}  // namespace raylab

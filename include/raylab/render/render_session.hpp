@@ -1,0 +1,125 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "raylab/image/film.hpp"
+#include "raylab/render/integrator.hpp"
+#include "raylab/scene/camera.hpp"
+
+namespace raylab {
+
+/// Pixels [x, x + width) x [y, y + height), from the top left.
+struct PixelRect {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+
+  bool operator==(const PixelRect&) const = default;
+};
+
+/// What to render of a scene and how.
+struct RenderOptions {
+  int width = 0;
+  int height = 0;
+  std::optional<PixelRect> crop;       ///< part of the picture to render; absent: all of it
+  std::uint32_t first_sample = 0;      ///< of the range of sample indices to take
+  std::uint32_t samples_per_pixel = 64;
+  std::uint32_t seed = 0;
+  SamplerKind sampler = SamplerKind::sobol;
+  IntegratorSettings integrator;
+  int tile_size = 16;                  ///< pixels; changes no result
+  std::uint32_t pass_samples = 16;     ///< samples between two complete pictures; changes no result
+  std::optional<SceneNeeds> needs;     ///< absent: what scene_needs() says
+};
+
+/// The camera ray of one sample and the numbers its path goes on with.
+struct CameraSample {
+  Sampler sampler;
+  Ray ray;
+};
+CameraSample camera_sample(const Camera& camera, const RenderOptions& options, int x, int y, std::uint32_t sample);
+
+/// A sample that was not finite, as needed to make it again.
+struct DroppedSample {
+  int x = 0;
+  int y = 0;
+  std::uint32_t sample = 0;
+};
+
+struct RenderStats {
+  RayCounts rays;
+  std::uint64_t dropped = 0;                    ///< samples that were NaN, infinite or negative
+  std::optional<DroppedSample> first_dropped;   ///< the first in picture order, then sample order
+  double seconds = 0.0;                         ///< wall clock spent rendering
+
+  void add(const RenderStats& other);
+};
+
+/// Renders one scene with one accelerator, in the background or not. The scene and the accelerator must outlive it.
+/// The film is the same to the bit for any number of threads, tile size and pass size.
+class RenderSession {
+ public:
+  /// Throws Error (input or usage) for a camera or options that make no picture.
+  RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options);
+  ~RenderSession();  ///< stops
+  RenderSession(const RenderSession&) = delete;
+  RenderSession& operator=(const RenderSession&) = delete;
+
+  /// Renders all samples that are left, on this thread and TBB's. Returns early after stop() from another thread.
+  void run();
+
+  /// The same on a thread of its own.
+  void start();
+
+  /// Asks run() to end after the pixels in hand. Returns at once.
+  void request_stop() { stop_.store(true, std::memory_order_relaxed); }
+
+  /// Ends rendering and waits for it.
+  void stop();
+
+  /// Whether all samples are taken.
+  bool finished() const { return finished_.load(std::memory_order_acquire); }
+
+  /// Samples taken so far over samples asked for, in [0, 1].
+  double progress() const;
+
+  /// Copy of what has been gathered so far. Safe while rendering.
+  Film snapshot() const;
+
+  RenderStats stats() const;
+
+  const RenderOptions& options() const { return options_; }
+  const SceneNeeds& needs() const { return needs_; }
+  const Integrator& integrator() const { return integrator_; }
+
+ private:
+  void render_pass(std::uint32_t first, std::uint32_t count);
+  void render_tile(const PixelRect& tile, std::uint32_t first, std::uint32_t count);
+
+  RenderOptions options_;
+  PixelRect region_;
+  SceneNeeds needs_;
+  Camera camera_;
+  Integrator integrator_;
+  std::vector<PixelRect> tiles_;
+  std::uint32_t done_samples_ = 0;
+
+  mutable std::mutex mutex_;  // guards film_ and stats_
+  Film film_;
+  RenderStats stats_;
+  std::atomic<std::uint64_t> samples_taken_{0};
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> finished_{false};
+  std::thread thread_;
+};
+
+/// The tiles of a region, in rings from its middle outwards, so that what matters most is seen first.
+std::vector<PixelRect> centre_out_tiles(const PixelRect& region, int tile_size);
+
+}  // namespace raylab

@@ -1,0 +1,218 @@
+#include "raylab/render/lights.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raylab/core/frame.hpp"
+#include "raylab/scene/surface_point.hpp"
+
+namespace raylab {
+
+namespace {
+
+/// Power over pi of an emitter of unit luminance.
+double triangle_power(const Triangle& t) {
+  const vec3 n = glm::cross(t.p1 - t.p0, t.p2 - t.p0);
+  return glm::length(n);  // two sides of half |n| each
+}
+double sphere_power(const Sphere& s) {
+  return 4.0 * static_cast<double>(kPi) * static_cast<double>(s.radius) * static_cast<double>(s.radius);
+}
+
+/// 1 - cos of the half angle under which a sphere is seen from squared distance d2 > r2; accurate for small angles.
+float one_minus_cos_max(float r2, float d2) {
+  const float sin2 = r2 / d2;
+  return sin2 / (1.0f + std::sqrt(std::max(0.0f, 1.0f - sin2)));
+}
+
+}  // namespace
+
+Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
+  const Geometry& geometry = scene.geometry;
+  material_luminance_.resize(scene.materials.size(), 0.0f);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
+    if (m.kind == Material::Kind::diffuse_light) {
+      material_luminance_[i] = mean_luminance(m.color, scene.textures);
+    }
+  }
+  std::vector<double> powers;
+  const auto add = [&](std::uint32_t geometry_id, std::uint32_t primitive, double power) {
+    if (!(power > 0.0)) return;
+    emitters_.push_back({geometry_id, primitive});
+    powers.push_back(power);
+  };
+  if (needs.area_lights) {
+    for (std::uint32_t g = 0; g < geometry.meshes.size(); ++g) {
+      for (std::uint32_t i = 0; i < geometry.meshes[g].triangles.size(); ++i) {
+        const float emitted = material_luminance_[scene.mesh_materials[g].of(i)];
+        if (emitted > 0.0f && is_valid_triangle(geometry.meshes[g], i)) {
+          add(g, i, emitted * triangle_power(triangle_corners(geometry.meshes[g], i)));
+        }
+      }
+    }
+    for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
+      if (is_valid_sphere(geometry.spheres[i])) {
+        add(geometry.sphere_geometry(), i,
+            material_luminance_[scene.sphere_materials[i]] * sphere_power(geometry.spheres[i]));
+      }
+    }
+  }
+  if (needs.environment_sampling && needs.environment) {
+    const Bounds bounds = geometry.bounds();
+    const double radius = bounds.empty() ? 1.0 : 0.5 * glm::length(dvec3(bounds.diagonal()));
+    const double power =
+        4.0 * static_cast<double>(kPi) * radius * radius * scene.environment.mean_luminance();
+    if (power > 0.0) {
+      environment_ = EnvironmentSampler(scene.environment);
+      powers.push_back(power);
+    }
+  }
+
+  double total = 0.0;
+  for (const double p : powers) total += p;
+  if (!(total > 0.0)) return;
+  inv_total_power_ = 1.0 / total;
+  double sum = 0.0;
+  cdf_.reserve(powers.size());
+  for (const double p : powers) {
+    sum += p;
+    cdf_.push_back(static_cast<float>(sum * inv_total_power_));
+  }
+  cdf_.back() = 1.0f;
+  if (powers.size() > emitters_.size()) {
+    environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
+  }
+}
+
+LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
+  const auto chosen = static_cast<std::size_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, select) - cdf_.begin());
+  if (chosen == emitters_.size()) {
+    const EnvironmentSampler::Sample s = environment_.sample(u);
+    LightSample light;
+    light.wi = s.direction;
+    light.radiance = scene_.environment.radiance(s.direction);
+    light.pdf = environment_probability_ * s.pdf;
+    light.infinite = true;
+    return light;
+  }
+  const Emitter& emitter = emitters_[chosen];
+  return scene_.geometry.is_sphere(emitter.geometry) ? sample_sphere(emitter, p, u) : sample_triangle(emitter, p, u);
+}
+
+LightSample Lights::sample_triangle(const Emitter& emitter, const vec3& p, const vec2& u) const {
+  const TriangleMesh& mesh = scene_.geometry.meshes[emitter.geometry];
+  // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+  float b1 = 0.5f * u.x, b2 = 0.5f * u.y;
+  const float offset = b2 - b1;
+  if (offset > 0.0f) {
+    b2 += offset;
+  } else {
+    b1 -= offset;
+  }
+  SurfacePoint point;
+  place_on_triangle(triangle_corners(mesh, emitter.primitive), b1, b2, point);
+  LightSample light;
+  const vec3 to_light = point.position - p;
+  const float distance2 = glm::dot(to_light, to_light);
+  const float inv_distance = 1.0f / std::sqrt(distance2);
+  light.wi = to_light * inv_distance;
+  const std::uint32_t material = scene_.mesh_materials[emitter.geometry].of(emitter.primitive);
+  light.pdf = triangle_pdf(material, p, point.position, point.ng, light.wi);
+  if (!(light.pdf > 0.0f && light.pdf < kInfinity)) {
+    light.pdf = 0.0f;
+    return light;
+  }
+  light.target = offset_origin(point, -light.wi);
+  const Texture& texture = scene_.materials[material].color;
+  vec2 uv(0.0f);
+  if (texture.kind == Texture::Kind::image && !mesh.texcoords.empty()) {
+    const uvec3& i = mesh.texcoord_corners(emitter.primitive);
+    uv = (1.0f - b1 - b2) * mesh.texcoords[i.x] + b1 * mesh.texcoords[i.y] + b2 * mesh.texcoords[i.z];
+  }
+  light.radiance = texture_color(texture, scene_.textures, point.position, uv);
+  return light;
+}
+
+LightSample Lights::sample_sphere(const Emitter& emitter, const vec3& p, const vec2& u) const {
+  const Sphere& sphere = scene_.geometry.spheres[emitter.primitive];
+  const vec3 to_center = sphere.center - p;
+  const float d2 = glm::dot(to_center, to_center);
+  const float r2 = sphere.radius * sphere.radius;
+  SurfacePoint point;
+  if (d2 <= r2) {
+    // From inside every point is seen: uniform over the surface.
+    const float z = 1.0f - 2.0f * u.x;
+    const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
+    const float phi = 2.0f * kPi * u.y;
+    place_on_sphere(sphere, sphere.center + sphere.radius * vec3(r * std::cos(phi), r * std::sin(phi), z), point);
+  } else {
+    // Uniform in the cone of directions that meet the sphere; the angle alpha at its centre gives the point
+    // (pbrt-v4 §6.2.4).
+    const float d = std::sqrt(d2);
+    const float one_minus_cos = u.x * one_minus_cos_max(r2, d2);
+    const float cos_theta = 1.0f - one_minus_cos;
+    const float sin2_theta = std::max(0.0f, one_minus_cos * (1.0f + cos_theta));
+    const float sin_max = sphere.radius / d;
+    const float cos_alpha =
+        sin2_theta / sin_max + cos_theta * std::sqrt(std::max(0.0f, 1.0f - sin2_theta / (sin_max * sin_max)));
+    const float sin_alpha = std::sqrt(std::max(0.0f, 1.0f - cos_alpha * cos_alpha));
+    const float phi = 2.0f * kPi * u.y;
+    const Frame frame(-to_center / d);
+    const vec3 n = frame.to_world(vec3(sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha));
+    place_on_sphere(sphere, sphere.center + sphere.radius * n, point);
+  }
+  LightSample light;
+  light.wi = glm::normalize(point.position - p);
+  const std::uint32_t material = scene_.sphere_materials[emitter.primitive];
+  light.pdf = sphere_pdf(emitter.primitive, material, p, point.position, light.wi);
+  if (!(light.pdf > 0.0f && light.pdf < kInfinity)) {
+    light.pdf = 0.0f;
+    return light;
+  }
+  light.target = offset_origin(point, -light.wi);
+  const Texture& texture = scene_.materials[material].color;
+  const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(point.ng) : vec2(0.0f);
+  light.radiance = texture_color(texture, scene_.textures, point.position, uv);
+  return light;
+}
+
+float Lights::triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
+                           const vec3& wi) const {
+  // Choosing by power makes the density per area the same everywhere on a material: 2 luminance / total.
+  const float pdf_area = 2.0f * material_luminance_[material] * static_cast<float>(inv_total_power_);
+  const vec3 to_light = hit_position - p;
+  const float cosine = std::abs(glm::dot(ng, wi));
+  return cosine > 0.0f ? pdf_area * glm::dot(to_light, to_light) / cosine : 0.0f;
+}
+
+float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position,
+                                   const vec3& wi) const {
+  const vec3 to_center = sphere.center - p;
+  const float d2 = glm::dot(to_center, to_center);
+  const float r2 = sphere.radius * sphere.radius;
+  if (d2 > r2) return 1.0f / (2.0f * kPi * one_minus_cos_max(r2, d2));
+  const vec3 to_light = hit_position - p;
+  const vec3 n = (hit_position - sphere.center) / sphere.radius;
+  const float cosine = std::abs(glm::dot(n, wi));
+  return cosine > 0.0f ? glm::dot(to_light, to_light) / (cosine * 4.0f * kPi * r2) : 0.0f;
+}
+
+float Lights::sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,
+                         const vec3& wi) const {
+  const Sphere& s = scene_.geometry.spheres[sphere];
+  const auto probability =
+      static_cast<float>(material_luminance_[material] * sphere_power(s) * inv_total_power_);
+  return probability * sphere_direction_pdf(s, p, hit_position, wi);
+}
+
+float Lights::environment_pdf(const vec3& wi) const {
+  return environment_probability_ > 0.0f ? environment_probability_ * environment_.pdf(wi) : 0.0f;
+}
+
+std::size_t Lights::bytes() const {
+  return emitters_.capacity() * sizeof(Emitter) +
+         (cdf_.capacity() + material_luminance_.capacity()) * sizeof(float) + environment_.bytes();
+}
+
+}  // namespace raylab

@@ -1,0 +1,158 @@
+#include "raylab/render/render_session.hpp"
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+
+#include "raylab/core/check.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/core/timing.hpp"
+
+namespace raylab {
+
+namespace {
+
+constexpr std::uint32_t kPixelDimension = 0;
+constexpr std::uint32_t kLensDimension = 1;
+static_assert(Integrator::kFirstDimension == 2);
+
+std::string describe(const PixelRect& r) {
+  return std::to_string(r.x) + "," + std::to_string(r.y) + "," + std::to_string(r.width) + "," +
+         std::to_string(r.height);
+}
+
+PixelRect region_of(const RenderOptions& o) {
+  if (o.width < 1 || o.height < 1) {
+    throw Error(ErrorKind::input, "render", "a picture of " + std::to_string(o.width) + "x" +
+                                                std::to_string(o.height) + " pixels has none");
+  }
+  if (o.integrator.max_depth < 1) {
+    throw Error(ErrorKind::input, "render.max_depth",
+                "found " + std::to_string(o.integrator.max_depth) + ", expected at least 1 segment");
+  }
+  if (o.tile_size < 1 || o.pass_samples < 1 || o.samples_per_pixel < 1) {
+    throw Error(ErrorKind::usage, "render", "tile size, pass size and samples per pixel must be at least 1");
+  }
+  if (0xffffffffu - o.first_sample < o.samples_per_pixel) {
+    throw Error(ErrorKind::usage, "--first-sample", "sample indices end at 4294967295");
+  }
+  const PixelRect all{0, 0, o.width, o.height};
+  if (!o.crop) return all;
+  const PixelRect& c = *o.crop;
+  if (c.width < 1 || c.height < 1 || c.x < 0 || c.y < 0 || c.width > o.width - c.x || c.height > o.height - c.y) {
+    throw Error(ErrorKind::usage, "--crop",
+                describe(c) + " does not lie inside a picture of " + std::to_string(o.width) + "x" +
+                    std::to_string(o.height) + " pixels; expected X,Y,WIDTH,HEIGHT");
+  }
+  return c;
+}
+
+bool usable(const Rgb& c) { return is_finite(c) && c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
+
+}  // namespace
+
+CameraSample camera_sample(const Camera& camera, const RenderOptions& options, int x, int y, std::uint32_t sample) {
+  const Sampler sampler(options.sampler, options.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                        sample);
+  const vec2 jitter = sampler.get2(kPixelDimension);
+  const vec2 lens = camera.has_lens() ? sampler.get2(kLensDimension) : vec2(0.5f);
+  return {sampler, camera.ray(static_cast<float>(x) + jitter.x, static_cast<float>(y) + jitter.y, lens)};
+}
+
+void RenderStats::add(const RenderStats& other) {
+  rays.add(other.rays);
+  dropped += other.dropped;
+  seconds += other.seconds;
+  if (other.first_dropped) {
+    const auto key = [](const DroppedSample& d) { return std::tuple(d.y, d.x, d.sample); };
+    if (!first_dropped || key(*other.first_dropped) < key(*first_dropped)) first_dropped = other.first_dropped;
+  }
+}
+
+RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options)
+    : options_(options),
+      region_(region_of(options)),
+      needs_(options.needs ? *options.needs : scene_needs(scene)),
+      camera_(scene.camera, options.width, options.height),
+      integrator_(scene, accelerator, needs_, options.integrator),
+      tiles_(centre_out_tiles(region_, options.tile_size)),
+      film_(options.width, options.height) {}
+
+RenderSession::~RenderSession() { stop(); }
+
+void RenderSession::start() {
+  RAYLAB_CHECK(!thread_.joinable());
+  thread_ = std::thread([this] { run(); });
+}
+
+void RenderSession::stop() {
+  request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void RenderSession::run() {
+  const Stopwatch watch;
+  while (done_samples_ < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed)) {
+    const std::uint32_t count = std::min(options_.pass_samples, options_.samples_per_pixel - done_samples_);
+    render_pass(options_.first_sample + done_samples_, count);
+    done_samples_ += count;
+  }
+  const std::lock_guard lock(mutex_);
+  stats_.seconds += watch.seconds();
+  finished_.store(!stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
+}
+
+void RenderSession::render_pass(std::uint32_t first, std::uint32_t count) {
+  parallel_for(tiles_.size(), [&](std::size_t i) {
+    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], first, count);
+  });
+}
+
+void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std::uint32_t count) {
+  // Gathered apart and added at the end: the film is locked once a tile, and a snapshot never sees half a sample.
+  Film gathered(tile.width, tile.height);
+  RenderStats stats;
+  std::uint64_t taken = 0;
+  for (int y = 0; y < tile.height; ++y) {
+    for (int x = 0; x < tile.width; ++x) {
+      if (stop_.load(std::memory_order_relaxed)) break;
+      const int px = tile.x + x;
+      const int py = tile.y + y;
+      for (std::uint32_t s = first; s < first + count; ++s) {
+        const CameraSample sample = camera_sample(camera_, options_, px, py, s);
+        const Rgb radiance = integrator_.radiance(sample.ray, sample.sampler, stats.rays);
+        if (usable(radiance)) {
+          gathered.add(x, y, radiance);
+        } else {
+          RenderStats dropped;
+          dropped.dropped = 1;
+          dropped.first_dropped = DroppedSample{px, py, s};
+          stats.add(dropped);
+        }
+      }
+      taken += count;
+    }
+  }
+  samples_taken_.fetch_add(taken, std::memory_order_relaxed);
+  const std::lock_guard lock(mutex_);
+  film_.add(gathered, tile.x, tile.y);
+  stats_.add(stats);
+}
+
+double RenderSession::progress() const {
+  const double all = static_cast<double>(region_.width) * region_.height * options_.samples_per_pixel;
+  return static_cast<double>(samples_taken_.load(std::memory_order_relaxed)) / all;
+}
+
+Film RenderSession::snapshot() const {
+  const std::lock_guard lock(mutex_);
+  return film_;
+}
+
+RenderStats RenderSession::stats() const {
+  const std::lock_guard lock(mutex_);
+  return stats_;
+}
+
+}  // namespace raylab

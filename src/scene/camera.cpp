@@ -1,0 +1,82 @@
+#include "raylab/scene/camera.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+
+namespace {
+constexpr float kRadiansPerDegree = kPi / 180.0f;
+
+[[noreturn]] void bad(const std::string& key, const std::string& message) {
+  throw Error(ErrorKind::input, "camera." + key, message);
+}
+}  // namespace
+
+Camera::Camera(const CameraSettings& s, int width, int height) {
+  if (!(s.vfov > 0.0f && s.vfov < 180.0f)) {
+    bad("vfov", "found " + std::to_string(s.vfov) + ", expected degrees between 0 and 180");
+  }
+  if (!(s.focus_distance > 0.0f)) {
+    bad("focus_distance", "found " + std::to_string(s.focus_distance) + ", expected a distance above 0");
+  }
+  if (!(s.defocus_angle >= 0.0f && s.defocus_angle < 180.0f)) {
+    bad("defocus_angle", "found " + std::to_string(s.defocus_angle) + ", expected degrees from 0 up to 180");
+  }
+  if (width < 1 || height < 1) {
+    bad("width", "a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels has none");
+  }
+  // Double throughout: the camera is made once and every ray depends on it.
+  const dvec3 from(s.look_from);
+  const dvec3 view = dvec3(s.look_at) - from;
+  const double distance = glm::length(view);
+  if (!(distance > 0.0)) bad("look_at", "the same point as look_from: there is no view direction");
+  const dvec3 forward = view / distance;
+  const dvec3 side = glm::cross(forward, dvec3(s.up));
+  const double sine = glm::length(side) / std::max(glm::length(dvec3(s.up)), 1e-300);
+  if (!(sine > 1e-6)) bad("up", "runs along the view direction from look_from to look_at");
+  const dvec3 right = glm::normalize(side);
+  const dvec3 up = glm::cross(right, forward);
+
+  const double half_height = std::tan(0.5 * static_cast<double>(s.vfov) * kRadiansPerDegree) * s.focus_distance;
+  const double pixel = 2.0 * half_height / height;
+  origin_ = s.look_from;
+  forward_ = vec3(forward);
+  right_ = vec3(right);
+  up_ = vec3(up);
+  corner_ = vec3(static_cast<double>(s.focus_distance) * forward - 0.5 * pixel * width * right + half_height * up);
+  step_x_ = vec3(pixel * right);
+  step_y_ = vec3(-pixel * up);
+  has_lens_ = s.defocus_angle > 0.0f;
+  const double lens_radius =
+      std::tan(0.5 * static_cast<double>(s.defocus_angle) * kRadiansPerDegree) * s.focus_distance;
+  lens_x_ = vec3(lens_radius * right);
+  lens_y_ = vec3(lens_radius * up);
+}
+
+Ray Camera::ray(float x, float y, const vec2& lens) const {
+  const vec3 target = corner_ + x * step_x_ + y * step_y_;
+  if (!has_lens_) return {origin_, target};
+  const vec2 disk = concentric_disk(lens);
+  const vec3 shift = disk.x * lens_x_ + disk.y * lens_y_;
+  return {origin_ + shift, target - shift};
+}
+
+vec2 concentric_disk(const vec2& u) {
+  const float x = 2.0f * u.x - 1.0f;
+  const float y = 2.0f * u.y - 1.0f;
+  if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
+  float r, phi;
+  if (std::abs(x) > std::abs(y)) {
+    r = x;
+    phi = (kPi / 4.0f) * (y / x);
+  } else {
+    r = y;
+    phi = kPi / 2.0f - (kPi / 4.0f) * (x / y);
+  }
+  return {r * std::cos(phi), r * std::sin(phi)};
+}
+
+}  // namespace raylab
