@@ -1,9 +1,12 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import cornell, dragon, one_weekend
+from . import bunny, cornell, dragon, globe, mirror_room, one_weekend
 
 SCENES = {
     "cornell": cornell.files,
     "one-weekend": one_weekend.files,
+    "mirror-room": mirror_room.files,
     "dragon": dragon.files,
+    "bunny": bunny.files,
+    "globe": globe.files,
 }

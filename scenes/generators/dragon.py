@@ -1,6 +1,7 @@
 """The Stanford dragon on a glowing square; the dragon itself is fetched."""
 
 from .obj import Obj
+from .shapes import loop, square
 
 TOML = """\
 # The Stanford dragon, lit from the plinth it stands on. Made by generate.py.
@@ -51,18 +52,13 @@ BOX = 4.4  # half the side of the box
 HEIGHT = 6
 
 
-def square(half, y):
-    """Corners, anticlockwise seen from above."""
-    return [(-half, y, half), (half, y, half), (half, y, -half), (-half, y, -half)]
-
-
 def files():
     plinth = Obj("dragon-plinth.mtl", "A black box with a glowing square flush in its top. Made by generate.py.")
     light, top, bottom = square(LIGHT, 0), square(BOX, 0), square(BOX, -HEIGHT)
     plinth.use("black")
-    for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
-        plinth.face([top[i], top[j], light[j], light[i]])
-        plinth.face([bottom[i], bottom[j], top[j], top[i]])
+    for lower, upper in ((bottom, top), (top, light)):
+        for (a, b), (d, c) in zip(loop(lower), loop(upper)):
+            plinth.face([a, b, c, d])
     plinth.face(bottom[::-1])
     plinth.use("glow")
     plinth.face(light)
