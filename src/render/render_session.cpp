@@ -1,6 +1,7 @@
 #include "raylab/render/render_session.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <tuple>
 
@@ -83,7 +84,25 @@ RenderSession::~RenderSession() { stop(); }
 
 void RenderSession::start() {
   RAYLAB_CHECK(!thread_.joinable());
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    std::exception_ptr failure;
+    try {
+      run();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    failure_ = failure;
+    ended_ = true;
+    ended_changed_.notify_all();
+  });
+}
+
+bool RenderSession::wait_for(double seconds) {
+  std::unique_lock lock(mutex_);
+  const bool ended = ended_changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return ended_; });
+  if (failure_) std::rethrow_exception(failure_);
+  return ended;
 }
 
 void RenderSession::stop() {

@@ -1,7 +1,8 @@
 #pragma once
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
-#include <functional>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -80,6 +81,9 @@ class RenderSession {
   /// Asks run() to end after the pixels in hand. Returns at once.
   void request_stop() { stop_.store(true, std::memory_order_relaxed); }
 
+  /// Waits for a started run to end, at most this long. Returns whether it has ended. Rethrows what it threw.
+  bool wait_for(double seconds);
+
   /// Ends rendering and waits for it.
   void stop();
 
@@ -116,6 +120,9 @@ class RenderSession {
   std::atomic<std::uint64_t> samples_taken_{0};
   std::atomic<bool> stop_{false};
   std::atomic<bool> finished_{false};
+  std::condition_variable ended_changed_;
+  bool ended_ = false;           // of the started run; guarded by mutex_
+  std::exception_ptr failure_;   // what it threw; guarded by mutex_
   std::thread thread_;
 };
 

@@ -1,0 +1,152 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+
+namespace {
+
+/// Quotes an argument so that a shell reads it back as it was.
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                                             "0123456789_-./=,:+@%") == std::string::npos;
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+const std::vector<std::string> kLayers{"albedo", "normal", "depth", "variance", "samples"};
+
+}  // namespace
+
+std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code) {
+  RenderCommand command;
+  for (int i = 0; i < argc; ++i) {
+    command.command_line += (i == 0 ? "" : " ") + shell_word(i == 0 ? "raylab-render" : argv[i]);
+  }
+
+  CLI::App app{"Renders a scene file to EXR or PNG pictures."};
+  app.name("raylab-render");
+  app.set_version_flag("--version", std::string("raylab-render ") + RAYLAB_VERSION);
+  app.add_option("scene", command.scene, "Scene file (TOML)");
+  app.add_option("-o,--output", command.outputs,
+                 "Picture to write, .exr or .png; repeatable (default: the scene's name with .exr)")
+      ->allow_extra_args(false);
+  app.add_option("--accel", command.accel, "Accelerator by name, see --list-accels")->capture_default_str();
+  app.add_option("--intersector", command.intersector,
+                 "Triangle test of the hand-written accelerators: book, fast or watertight");
+  app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
+  app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
+  app.add_option("--ray-offset", command.ray_offset,
+                 "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")
+      ->check(CLI::IsMember({"bounds", "book"}))
+      ->capture_default_str();
+  app.add_option("--needs", command.needs, "Store and branch on what the scene needs, or on all there is")
+      ->check(CLI::IsMember({"scene", "all"}))
+      ->capture_default_str();
+  app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
+  app.add_option("--width", command.width, "Picture width in pixels; alone, it keeps the scene's aspect ratio");
+  app.add_option("--height", command.height, "Picture height in pixels; alone, it keeps the scene's aspect ratio");
+  app.add_option("--max-depth", command.max_depth, "Path segments, the camera ray included");
+  app.add_option("--seed", command.seed, "Seed of all random numbers")->capture_default_str();
+  app.add_option("--first-sample", command.first_sample, "Index of the first sample taken of each pixel")
+      ->capture_default_str();
+  app.add_option("--threads", command.threads, "Threads for building and rendering; 0: all")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  app.add_option("--tile-size", command.tile_size, "Tile size in pixels; changes no result")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--crop", command.crop, "Render only X,Y,WIDTH,HEIGHT (pixels from the upper left)");
+  app.add_option("--set", command.overrides, "KEY=VALUE for any key of the scene file; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--layers", command.layers,
+                 "EXR layers beside the picture, comma separated: albedo, normal, depth, variance, samples")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(kLayers));
+  app.add_option("--stats", command.stats_file, "Write what was measured to this JSON file");
+  const std::map<std::string, ProgressKind> progress_names{{"auto", ProgressKind::automatic},
+                                                           {"lines", ProgressKind::lines},
+                                                           {"json", ProgressKind::json},
+                                                           {"none", ProgressKind::none}};
+  std::string progress = "auto";
+  app.add_option("--progress", progress, "On standard error: auto, lines, json or none")
+      ->check(CLI::IsMember({"auto", "lines", "json", "none"}))
+      ->capture_default_str();
+  app.add_flag("--check", command.check,
+               "Load the scene, say how it was understood and what it needs, render nothing");
+  app.add_flag("--list-accels", command.list_accels, "List the accelerators");
+  app.add_flag("-q,--quiet", command.quiet, "Print nothing but errors");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const bool asked = e.get_exit_code() == 0;  // --help or --version
+    if (asked) {
+      exit_code = app.exit(e);
+    } else {
+      std::fprintf(stderr, "raylab-render: %s\nRun with --help for the options.\n", e.what());
+      exit_code = static_cast<int>(ErrorKind::usage);
+    }
+    return std::nullopt;
+  }
+  command.progress = progress_names.at(progress);
+  if (command.quiet && command.progress == ProgressKind::automatic) command.progress = ProgressKind::none;
+  if (command.scene.empty() && !command.list_accels) {
+    std::fprintf(stderr, "raylab-render: a scene file is missing\nRun with --help for the options.\n");
+    exit_code = static_cast<int>(ErrorKind::usage);
+    return std::nullopt;
+  }
+  return command;
+}
+
+PixelRect parse_crop(const std::string& text) {
+  PixelRect rect;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &rect.x, &rect.y, &rect.width, &rect.height, &used) != 4 ||
+      static_cast<std::size_t>(used) != text.size()) {
+    throw Error(ErrorKind::usage, "--crop", "found \"" + text + "\", expected X,Y,WIDTH,HEIGHT in pixels");
+  }
+  return rect;
+}
+
+RenderOptions session_options(const RenderCommand& command, const Scene& scene) {
+  RenderOptions options;
+  const RenderSettings& settings = scene.render;
+  const auto checked = [](const char* option, int value, int largest) {
+    if (value >= 1 && value <= largest) return value;
+    throw Error(ErrorKind::usage, option,
+                "found " + std::to_string(value) + ", expected a number from 1 to " + std::to_string(largest));
+  };
+  constexpr int kLargestSide = 65536;
+  options.width = command.width ? checked("--width", *command.width, kLargestSide) : settings.width;
+  options.height = command.height ? checked("--height", *command.height, kLargestSide) : settings.height;
+  const double aspect = static_cast<double>(settings.width) / settings.height;
+  if (command.width && !command.height) {
+    options.height = std::max(1, static_cast<int>(std::lround(options.width / aspect)));
+  } else if (command.height && !command.width) {
+    options.width = std::max(1, static_cast<int>(std::lround(options.height * aspect)));
+  }
+  options.samples_per_pixel = static_cast<std::uint32_t>(command.spp.value_or(settings.samples_per_pixel));
+  options.integrator.max_depth =
+      command.max_depth ? checked("--max-depth", *command.max_depth, 1 << 20) : settings.max_depth;
+  options.integrator.kind = parse_integrator(command.integrator);
+  options.integrator.ray_offset = command.ray_offset == "book" ? RayOffset::book : RayOffset::bounds;
+  options.sampler = parse_sampler(command.sampler);
+  options.seed = command.seed;
+  options.first_sample = command.first_sample;
+  options.tile_size = command.tile_size;
+  if (!command.crop.empty()) options.crop = parse_crop(command.crop);
+  if (command.needs == "all") options.needs = all_needs();
+  return options;
+}
+
+}  // namespace raylab

@@ -1,0 +1,48 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raylab/render/render_session.hpp"
+
+namespace raylab {
+
+enum class ProgressKind { automatic, lines, json, none };
+
+/// The command line of raylab-render.
+struct RenderCommand {
+  std::string scene;
+  std::vector<std::string> outputs;
+  std::string accel = "embree-robust";
+  std::string intersector;
+  std::string integrator = "path";
+  std::string sampler = "sobol";
+  std::string ray_offset = "bounds";
+  std::string needs = "scene";
+  std::optional<int> spp, width, height, max_depth;
+  std::uint32_t seed = 0;
+  std::uint32_t first_sample = 0;
+  int threads = 0;
+  int tile_size = 16;
+  std::string crop;
+  std::vector<std::string> overrides;
+  std::vector<std::string> layers;
+  std::string stats_file;
+  ProgressKind progress = ProgressKind::automatic;
+  bool check = false;
+  bool list_accels = false;
+  bool quiet = false;
+  std::string command_line;  ///< as typed, for file attributes
+};
+
+/// Parses argv. Returns nothing when there is nothing left to do (--help, --version), with the exit code set.
+std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code);
+
+/// What the session is to do: the scene's settings with the command line's on top. Throws Error (usage).
+RenderOptions session_options(const RenderCommand& command, const Scene& scene);
+
+/// "X,Y,WIDTH,HEIGHT" in pixels. Throws Error (usage).
+PixelRect parse_crop(const std::string& text);
+
+}  // namespace raylab

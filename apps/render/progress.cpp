@@ -1,0 +1,53 @@
+#include "progress.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+namespace raylab {
+
+namespace {
+constexpr double kBarSeconds = 0.2;
+constexpr double kLineSeconds = 10.0;
+constexpr double kJsonSeconds = 1.0;
+constexpr int kBarWidth = 40;
+}  // namespace
+
+Progress::Progress(ProgressKind kind) {
+  switch (kind) {
+    case ProgressKind::automatic: style_ = isatty(STDERR_FILENO) ? Style::bar : Style::lines; break;
+    case ProgressKind::lines: style_ = Style::lines; break;
+    case ProgressKind::json: style_ = Style::json; break;
+    case ProgressKind::none: style_ = Style::none; break;
+  }
+}
+
+void Progress::update(double fraction) {
+  const double interval = style_ == Style::bar ? kBarSeconds : style_ == Style::lines ? kLineSeconds : kJsonSeconds;
+  if (style_ == Style::none || watch_.seconds() - last_ < interval) return;
+  last_ = watch_.seconds();
+  print(fraction);
+}
+
+void Progress::finish(double fraction) {
+  if (style_ == Style::bar) std::fprintf(stderr, "\r\033[K");
+  if (style_ == Style::json) print(fraction);
+}
+
+void Progress::print(double fraction) {
+  const double elapsed = watch_.seconds();
+  const double left = fraction > 0.0 ? elapsed * (1.0 - fraction) / fraction : 0.0;
+  if (style_ == Style::bar) {
+    const int full = static_cast<int>(fraction * kBarWidth);
+    const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
+    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed, left);
+  } else if (style_ == Style::json) {
+    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed, left);
+  } else {
+    std::fprintf(stderr, "%5.1f%% after %.0f s, about %.0f s left\n", 100.0 * fraction, elapsed, left);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace raylab

@@ -1,0 +1,207 @@
+#include "raylab/apps/render_main.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+
+#include "options.hpp"
+#include "progress.hpp"
+#include "raylab/core/atomic_file.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/image/image_file.hpp"
+#include "raylab/render/features.hpp"
+#include "report.hpp"
+
+namespace raylab {
+
+namespace {
+
+constexpr int kInterrupted = 130;
+
+volatile std::sig_atomic_t interrupted = 0;
+void on_interrupt(int) { interrupted = 1; }
+
+/// Ctrl-C ends the render and not the program, while it lives; a second one ends the program.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted = 0;
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &old_int_);
+    sigaction(SIGTERM, &action, &old_term_);
+  }
+  ~InterruptGuard() {
+    sigaction(SIGINT, &old_int_, nullptr);
+    sigaction(SIGTERM, &old_term_, nullptr);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  struct sigaction old_int_ {}, old_term_ {};
+};
+
+void list_accelerators() {
+  for (const AcceleratorEntry& entry : accelerators()) {
+    std::printf("%-14s %s\n", entry.name.c_str(), entry.description.c_str());
+  }
+}
+
+bool wants(const RenderCommand& command, const char* layer) {
+  return std::find(command.layers.begin(), command.layers.end(), layer) != command.layers.end();
+}
+
+void add_rgb(std::vector<Layer>& layers, const std::string& name, const char* channels, bool as_float,
+             const Image& image) {
+  for (int c = 0; c < 3; ++c) {
+    Layer layer{name + "." + channels[c], as_float, {}};
+    layer.values.reserve(image.pixels.size());
+    for (const Rgb& p : image.pixels) layer.values.push_back(p[c]);
+    layers.push_back(std::move(layer));
+  }
+}
+
+std::vector<Layer> make_layers(const RenderCommand& command, const Scene& scene, const Accelerator& accelerator,
+                               const RenderOptions& options, const Film& film) {
+  std::vector<Layer> layers;
+  if (wants(command, "albedo") || wants(command, "normal") || wants(command, "depth")) {
+    constexpr std::uint32_t kFeatureSamples = 16;
+    FirstHitFeatures features = first_hit_features(scene, accelerator, options,
+                                                   std::min(kFeatureSamples, options.samples_per_pixel));
+    if (wants(command, "albedo")) add_rgb(layers, "albedo", "RGB", false, features.albedo);
+    if (wants(command, "normal")) add_rgb(layers, "N", "XYZ", false, features.normal);
+    if (wants(command, "depth")) layers.push_back({"Z", true, std::move(features.depth)});
+  }
+  if (wants(command, "variance")) {
+    Image variance(film.width(), film.height());
+    for (int y = 0; y < film.height(); ++y) {
+      for (int x = 0; x < film.width(); ++x) variance.at(x, y) = film.variance_of_mean(x, y);
+    }
+    add_rgb(layers, "variance", "RGB", true, variance);
+  }
+  if (wants(command, "samples")) {
+    Layer layer{"sampleCount", true, {}};
+    for (int y = 0; y < film.height(); ++y) {
+      for (int x = 0; x < film.width(); ++x) layer.values.push_back(static_cast<float>(film.samples(x, y)));
+    }
+    layers.push_back(std::move(layer));
+  }
+  return layers;
+}
+
+Attributes make_attributes(const RenderReport& r) {
+  char hash[24];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.loaded.hash));
+  return {{"raylab.command", r.command.command_line},
+          {"raylab.sceneHash", hash},
+          {"raylab.seed", std::to_string(r.options.seed)},
+          {"raylab.firstSample", std::to_string(r.options.first_sample)},
+          {"raylab.samplesPerPixel", std::to_string(r.options.samples_per_pixel)},
+          {"raylab.accelerator", r.command.accel},
+          {"raylab.seconds", std::to_string(r.stats.seconds)},
+          {"raylab.estimatedRelmse", std::to_string(r.estimated_relmse)},
+          {"raylab.partial", r.partial ? "true" : "false"}};
+}
+
+int render(const RenderCommand& command) {
+  if (command.list_accels) {
+    list_accelerators();
+    return 0;
+  }
+  std::vector<std::filesystem::path> outputs(command.outputs.begin(), command.outputs.end());
+  if (outputs.empty()) {
+    outputs.push_back(std::filesystem::path(command.scene).filename().replace_extension(".exr"));
+  }
+  // Known before the work starts, and not after: names of options, and files that cannot be written.
+  (void)parse_integrator(command.integrator);
+  (void)parse_sampler(command.sampler);
+  if (!command.check) {
+    for (const auto& file : outputs) check_writable_image(file);
+    if (!command.stats_file.empty()) check_writable(command.stats_file);
+  }
+
+  const ThreadLimit limit(command.threads);
+  const Stopwatch load_watch;
+  const LoadedScene loaded = load_scene(command.scene, {command.overrides, command.needs == "all"});
+  const double load_seconds = load_watch.seconds();
+  for (const std::string& warning : loaded.warnings) {
+    if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
+  }
+  const Scene& scene = loaded.scene;
+  if (command.check) {
+    std::fputs(check_text(loaded, load_seconds).c_str(), stdout);
+    return 0;
+  }
+
+  AcceleratorOptions accel_options;
+  accel_options.threads = command.threads;
+  if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
+  const std::unique_ptr<Accelerator> accelerator = make_accelerator(command.accel, scene.geometry, accel_options);
+
+  const InterruptGuard guard;
+  RenderSession session(scene, *accelerator, session_options(command, scene));
+  Progress progress(command.progress);
+  session.start();
+  while (!session.wait_for(0.05)) {
+    progress.update(session.progress());
+    if (interrupted) session.request_stop();
+  }
+  session.stop();
+  progress.finish(session.progress());
+
+  const Film film = session.snapshot();
+  const RenderStats stats = session.stats();
+  const bool partial = !session.finished();
+  const RenderReport report{command,
+                            loaded,
+                            session.options(),
+                            accelerator->build_report(),
+                            stats,
+                            session.needs(),
+                            session.integrator().lights().count(),
+                            session.integrator().lights().bytes(),
+                            load_seconds,
+                            film.estimated_relmse(),
+                            partial};
+  const Image image = film.image();
+  const std::vector<Layer> layers = make_layers(command, scene, *accelerator, session.options(), film);
+  for (const auto& file : outputs) write_image(file, image, layers, make_attributes(report));
+  if (!command.stats_file.empty()) {
+    AtomicFile file(command.stats_file);
+    file.stream() << report_json(report);
+    file.commit();
+  }
+  if (!command.quiet) {
+    std::fputs(report_text(report).c_str(), stdout);
+    for (const auto& file : outputs) {
+      std::printf("wrote      %s%s\n", file.c_str(), partial ? " (partial: interrupted)" : "");
+    }
+  }
+  return partial ? kInterrupted : 0;
+}
+
+}  // namespace
+
+int render_main(int argc, char** argv) {
+  try {
+    int exit_code = 0;
+    const auto command = parse_command(argc, argv, exit_code);
+    return command ? render(*command) : exit_code;
+  } catch (const Error& e) {
+    std::fprintf(stderr, "raylab-render: %s\n", e.what());
+    return e.exit_code();
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "raylab-render: out of memory\n");
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "raylab-render: %s\n", e.what());
+  }
+  return static_cast<int>(ErrorKind::failure);
+}
+
+}  // namespace raylab

@@ -1,0 +1,124 @@
+#include "report.hpp"
+
+#include <cinttypes>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "raylab/core/parallel.hpp"
+
+namespace raylab {
+
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  std::va_list args;
+  va_start(args, pattern);
+  char buffer[1024];
+  std::vsnprintf(buffer, sizeof buffer, pattern, args);
+  va_end(args);
+  return buffer;
+}
+
+double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / (1024.0 * 1024.0); }
+
+double millions_per_second(std::uint64_t count, double seconds) {
+  return seconds > 0.0 ? 1e-6 * static_cast<double>(count) / seconds : 0.0;
+}
+
+int threads_of(const RenderCommand& command) {
+  return command.threads > 0 ? command.threads : hardware_threads();
+}
+
+std::string scene_text(const LoadedScene& loaded, double load_seconds) {
+  const Scene& scene = loaded.scene;
+  return format("scene      %zu triangles, %zu spheres, %zu materials, %zu textures; %.1f MiB; loaded in %.3f s\n",
+                scene.geometry.triangle_count(), scene.geometry.spheres.size(), scene.materials.size(),
+                scene.textures.size(), mebibytes(scene.bytes()), load_seconds);
+}
+
+}  // namespace
+
+std::string check_text(const LoadedScene& loaded, double load_seconds) {
+  std::string text = scene_text(loaded, load_seconds);
+  text += "materials\n";
+  for (const std::string& note : loaded.notes) text += "  " + note + "\n";
+  text += "needs\n";
+  for (const std::string& line : describe(scene_needs(loaded.scene))) text += line + "\n";
+  text += format("  %.1f MiB of mesh attributes that no material reads were left out\n",
+                 mebibytes(loaded.dropped_bytes));
+  return text;
+}
+
+std::string report_text(const RenderReport& r) {
+  const RenderStats& s = r.stats;
+  std::string text = scene_text(r.loaded, r.load_seconds);
+  text += format("accel      %s%s%s: built in %.3f s, %.1f MiB, %zu primitives", r.command.accel.c_str(),
+                 r.command.intersector.empty() ? "" : ", ", r.command.intersector.c_str(), r.build.seconds,
+                 mebibytes(r.build.bytes), r.build.primitives);
+  if (r.build.invalid_primitives > 0) text += format(" (%zu invalid left out)", r.build.invalid_primitives);
+  if (!r.build.isa.empty()) text += ", " + r.build.isa;
+  text += "\n";
+  text += format("rays       %" PRIu64 " camera + %" PRIu64 " scattered + %" PRIu64 " shadow = %.2f Mrays/s\n",
+                 s.rays.camera, s.rays.scattered, s.rays.shadow, millions_per_second(s.rays.total(), s.seconds));
+  text += format("render     %.3f s on %d threads, %.3f Mpaths/s\n", s.seconds, threads_of(r.command),
+                 millions_per_second(s.rays.camera, s.seconds));
+  text += format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n",
+                 r.estimated_relmse);
+  if (s.dropped > 0) {
+    text += format("dropped    %" PRIu64 " samples that were not finite; the first again: ", s.dropped) +
+            replay_command(r) + "\n";
+  } else {
+    text += "dropped    0 samples\n";
+  }
+  return text;
+}
+
+std::string replay_command(const RenderReport& r) {
+  const DroppedSample d = r.stats.first_dropped.value_or(DroppedSample{});
+  std::string command = r.command.command_line;
+  return command + format(" --width %d --height %d --crop %d,%d,1,1 --first-sample %u --spp 1", r.options.width,
+                          r.options.height, d.x, d.y, d.sample);
+}
+
+std::string report_json(const RenderReport& r) {
+  const RenderStats& s = r.stats;
+  nlohmann::ordered_json json;
+  json["command"] = r.command.command_line;
+  json["scene"] = r.loaded.scene.name;
+  json["scene_hash"] = format("%016" PRIx64, r.loaded.hash);
+  json["triangles"] = r.loaded.scene.geometry.triangle_count();
+  json["spheres"] = r.loaded.scene.geometry.spheres.size();
+  json["lights"] = r.light_count;
+  json["scene_bytes"] = r.loaded.scene.bytes();
+  json["light_bytes"] = r.light_bytes;
+  json["dropped_bytes"] = r.loaded.dropped_bytes;
+  json["load_seconds"] = r.load_seconds;
+  json["accel"] = r.command.accel;
+  if (!r.command.intersector.empty()) json["intersector"] = r.command.intersector;
+  json["isa"] = r.build.isa;
+  json["build_seconds"] = r.build.seconds;
+  json["bytes"] = r.build.bytes;
+  json["sah_cost"] = r.build.sah_cost;
+  json["invalid_primitives"] = r.build.invalid_primitives;
+  json["integrator"] = integrator_name(r.options.integrator.kind);
+  json["sampler"] = sampler_name(r.options.sampler);
+  json["width"] = r.options.width;
+  json["height"] = r.options.height;
+  json["spp"] = r.options.samples_per_pixel;
+  json["max_depth"] = r.options.integrator.max_depth;
+  json["seed"] = r.options.seed;
+  json["threads"] = threads_of(r.command);
+  json["seconds"] = s.seconds;
+  json["rays"] = {{"camera", s.rays.camera}, {"scattered", s.rays.scattered}, {"shadow", s.rays.shadow}};
+  json["mrays_per_second"] = millions_per_second(s.rays.total(), s.seconds);
+  json["mpaths_per_second"] = millions_per_second(s.rays.camera, s.seconds);
+  // JSON has no infinity: an error that is not known is absent.
+  if (r.estimated_relmse < kInfinity) json["estimated_relmse"] = r.estimated_relmse;
+  json["dropped_samples"] = s.dropped;
+  if (s.dropped > 0) json["replay"] = replay_command(r);
+  json["partial"] = r.partial;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace raylab

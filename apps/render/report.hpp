@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+
+#include "options.hpp"
+#include "raylab/io/scene_file.hpp"
+
+namespace raylab {
+
+/// All there is to say of a render once it has ended.
+struct RenderReport {
+  const RenderCommand& command;
+  const LoadedScene& loaded;
+  const RenderOptions& options;
+  const BuildReport& build;
+  const RenderStats& stats;
+  const SceneNeeds& needs;
+  std::size_t light_count;
+  std::size_t light_bytes;
+  double load_seconds;
+  double estimated_relmse;
+  bool partial;
+};
+
+/// What `--check` prints.
+std::string check_text(const LoadedScene& loaded, double load_seconds);
+
+/// The closing lines of a render.
+std::string report_text(const RenderReport& report);
+
+/// The same figures for `--stats`.
+std::string report_json(const RenderReport& report);
+
+/// The command that renders the first dropped sample, and nothing else, again.
+std::string replay_command(const RenderReport& report);
+
+}  // namespace raylab
