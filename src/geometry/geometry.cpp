@@ -50,7 +50,9 @@ bool is_valid_triangle(const TriangleMesh& mesh, std::uint32_t triangle) {
 }
 
 bool is_valid_sphere(const Sphere& sphere) {
-  return usable(sphere.center) && sphere.radius > 0.0f && sphere.radius <= kLargestCoordinate;
+  // A denormal radius would be positive or zero depending on the thread's flags.
+  constexpr float smallest = std::numeric_limits<float>::min();
+  return usable(sphere.center) && sphere.radius >= smallest && sphere.radius <= kLargestCoordinate;
 }
 
 std::vector<PrimitiveId> valid_primitives(const Geometry& geometry) {

@@ -87,7 +87,7 @@ inline Triangle triangle_corners(const TriangleMesh& mesh, std::uint32_t triangl
 inline constexpr float kLargestCoordinate = 1.844e18f;
 
 /// Whether accelerators take the primitive in: indices in range, coordinates finite and not beyond
-/// kLargestCoordinate, and for spheres a positive radius. Others behave as if absent.
+/// kLargestCoordinate, and for spheres a positive radius that is no denormal. Others behave as if absent.
 bool is_valid_triangle(const TriangleMesh& mesh, std::uint32_t triangle);
 bool is_valid_sphere(const Sphere& sphere);
 

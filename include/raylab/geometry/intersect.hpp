@@ -1,5 +1,6 @@
 #pragma once
 // Ray against one primitive. All tests accept the open interval t_min < t < t_max only.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -48,72 +49,100 @@ struct WatertightRay {
     kz = a.x > a.y ? (a.x > a.z ? 0 : 2) : (a.y > a.z ? 1 : 2);
     kx = kz == 2 ? 0 : kz + 1;
     ky = kx == 2 ? 0 : kx + 1;
-    if (ray.direction[kz] < 0.0f) std::swap(kx, ky);  // keeps the winding
-    shear_x = ray.direction[kx] / ray.direction[kz];
-    shear_y = ray.direction[ky] / ray.direction[kz];
-    shear_z = 1.0f / ray.direction[kz];
+    direction_z = ray.direction[kz];
+    if (direction_z < 0.0f) std::swap(kx, ky);  // keeps the winding
+    shear_x = ray.direction[kx] / direction_z;
+    shear_y = ray.direction[ky] / direction_z;
   }
+
+  /// A vertex in the ray's space: the ray goes along the z axis, z in the units of the scene.
+  vec3 to_local(const vec3& vertex) const {
+    const vec3 v = vertex - origin;
+    const float* component = &v.x;  // GLM's subscript is a switch
+    const float z = component[kz];
+    return {component[kx] - shear_x * z, component[ky] - shear_y * z, z};
+  }
+
   vec3 origin;
   int kx, ky, kz;
-  float shear_x, shear_y, shear_z;
+  float shear_x, shear_y;  ///< at most 1 in size
+  float direction_z;
 };
+
+namespace detail {
+
+/// The hit whose edge functions (twice the signed areas opposite a, b, c) are u, v, w of one sign, det their
+/// sum. Interpolates from a: the error of z is then small where the triangle is.
+template <class Real>
+std::optional<TriangleHit> watertight_hit(float direction_z, const vec3& a, const vec3& b, const vec3& c, Real v,
+                                          Real w, Real det, float t_min, float t_max) {
+  const Real inv_det = Real(1) / det;
+  const Real beta = v * inv_det;
+  const Real gamma = w * inv_det;
+  const Real z = Real(a.z) + beta * (Real(b.z) - Real(a.z)) + gamma * (Real(c.z) - Real(a.z));
+  const auto t = static_cast<float>(z / Real(direction_z));
+  if (!(t > t_min && t < t_max)) return std::nullopt;
+  return TriangleHit{t, static_cast<float>(beta), static_cast<float>(gamma)};
+}
+
+/// The test where floats do not decide it: on an edge, or with areas too small or too large for a float.
+/// Products of floats are exact in double, so every edge function has its true sign.
+[[gnu::noinline, gnu::cold]] inline std::optional<TriangleHit> watertight_in_double(
+    float direction_z, const vec3& a, const vec3& b, const vec3& c, float t_min, float t_max) {
+  const double u = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
+  const double v = static_cast<double>(a.x) * c.y - static_cast<double>(a.y) * c.x;
+  const double w = static_cast<double>(b.x) * a.y - static_cast<double>(b.y) * a.x;
+  if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return std::nullopt;
+  const double det = u + v + w;
+  if (det == 0.0) return std::nullopt;
+  return watertight_hit(direction_z, a, b, c, v, w, det, t_min, t_max);
+}
+
+}  // namespace detail
 
 /// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection" (JCGT 2:1).
 /// The sheared vertices depend on the ray and the vertex alone, so two triangles evaluate a shared edge on the
-/// same numbers; products of floats are exact in double, so the fallback decides a zero edge function by its
-/// true sign. Both arguments fall if products and sums are contracted: this project compiles with
-/// -ffp-contract=off.
+/// same numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals never turn a
+/// sign around, they can only lose it; then double decides. All of this falls if products and sums are
+/// contracted: this project compiles with -ffp-contract=off.
 inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray, const Triangle& tri,
                                                        float t_min, float t_max) {
-  const vec3 a = tri.p0 - ray.origin;
-  const vec3 b = tri.p1 - ray.origin;
-  const vec3 c = tri.p2 - ray.origin;
-  const float ax = a[ray.kx] - ray.shear_x * a[ray.kz];
-  const float ay = a[ray.ky] - ray.shear_y * a[ray.kz];
-  const float bx = b[ray.kx] - ray.shear_x * b[ray.kz];
-  const float by = b[ray.ky] - ray.shear_y * b[ray.kz];
-  const float cx = c[ray.kx] - ray.shear_x * c[ray.kz];
-  const float cy = c[ray.ky] - ray.shear_y * c[ray.kz];
-
-  float u = cx * by - cy * bx;
-  float v = ax * cy - ay * cx;
-  float w = bx * ay - by * ax;
-  if (u == 0.0f || v == 0.0f || w == 0.0f) {
-    u = static_cast<float>(static_cast<double>(cx) * by - static_cast<double>(cy) * bx);
-    v = static_cast<float>(static_cast<double>(ax) * cy - static_cast<double>(ay) * cx);
-    w = static_cast<float>(static_cast<double>(bx) * ay - static_cast<double>(by) * ax);
-  }
-  if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return std::nullopt;
-
+  const vec3 a = ray.to_local(tri.p0);
+  const vec3 b = ray.to_local(tri.p1);
+  const vec3 c = ray.to_local(tri.p2);
+  const float u = c.x * b.y - c.y * b.x;
+  const float v = a.x * c.y - a.y * c.x;
+  const float w = b.x * a.y - b.y * a.x;
+  const float smallest = std::min(std::min(u, v), w);
+  const float largest = std::max(std::max(u, v), w);
+  if (smallest < 0.0f && largest > 0.0f) return std::nullopt;
   const float det = u + v + w;
-  if (det == 0.0f) return std::nullopt;
-  const float az = ray.shear_z * a[ray.kz];
-  const float bz = ray.shear_z * b[ray.kz];
-  const float cz = ray.shear_z * c[ray.kz];
-  const float inv_det = 1.0f / det;
-  const float t = (u * az + v * bz + w * cz) * inv_det;
-  if (!(t > t_min && t < t_max)) return std::nullopt;
-  return TriangleHit{t, v * inv_det, w * inv_det};
+  // Outside these bounds (NaN included) the flushed parts of the products, or 1 / det, would count.
+  const float size = std::abs(det);
+  if (smallest == 0.0f || largest == 0.0f || !(size > 0x1p-100f && size < 0x1p120f)) [[unlikely]] {
+    return detail::watertight_in_double(ray.direction_z, a, b, c, t_min, t_max);
+  }
+  return detail::watertight_hit(ray.direction_z, a, b, c, v, w, det, t_min, t_max);
 }
 
 /// The nearer and the farther distance at which the line of the ray meets the sphere, in units of its
 /// direction, nearer first; nothing where it passes by. Stable where the quadratic formula cancels: a distant or
-/// large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems, ch. 7).
+/// large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems, ch. 7). In double, since squares of
+/// tiny radii, of long and of short directions leave the range of float; it costs little.
 inline std::optional<std::pair<float, float>> sphere_roots(const Ray& ray, const Sphere& sphere) {
-  const vec3 oc = ray.origin - sphere.center;
-  const float a = glm::dot(ray.direction, ray.direction);
-  const float b = -glm::dot(oc, ray.direction);
-  // Distance from the centre to the line, squared, from the vector itself and not from b² - a c.
-  const vec3 to_line = oc + (b / a) * ray.direction;
-  const float discriminant = sphere.radius * sphere.radius - glm::dot(to_line, to_line);
-  if (!(discriminant >= 0.0f)) return std::nullopt;
-  // |oc|² - r² as a product: the difference of the squares would cancel close to the surface.
-  const float distance = std::sqrt(glm::dot(oc, oc));
-  const float c = (distance - sphere.radius) * (distance + sphere.radius);
-  const float q = b + std::copysign(std::sqrt(a * discriminant), b);
-  if (q == 0.0f) return std::pair(0.0f, 0.0f);
-  const float t0 = c / q;
-  const float t1 = q / a;
+  const dvec3 direction(ray.direction);
+  const dvec3 oc = dvec3(ray.origin) - dvec3(sphere.center);
+  const double radius = sphere.radius;
+  const double a = glm::dot(direction, direction);
+  const double b = -glm::dot(oc, direction);
+  // The distance of the centre from the line, squared and times a, from the vectors and not from b² - a c.
+  const dvec3 moment = glm::cross(oc, direction);
+  const double discriminant = radius * radius * a - glm::dot(moment, moment);
+  if (!(discriminant >= 0.0)) return std::nullopt;
+  const double q = b + std::copysign(std::sqrt(discriminant), b);
+  if (q == 0.0) return std::pair(0.0f, 0.0f);
+  const auto t0 = static_cast<float>((glm::dot(oc, oc) - radius * radius) / q);
+  const auto t1 = static_cast<float>(q / a);
   return t0 < t1 ? std::pair(t0, t1) : std::pair(t1, t0);
 }
 
