@@ -37,24 +37,15 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
     }
   }
   std::vector<double> powers;
-  const auto add = [&](std::uint32_t geometry_id, std::uint32_t primitive, double power) {
-    if (!(power > 0.0)) return;
-    emitters_.push_back({geometry_id, primitive});
-    powers.push_back(power);
-  };
   if (needs.area_lights) {
-    for (std::uint32_t g = 0; g < geometry.meshes.size(); ++g) {
-      for (std::uint32_t i = 0; i < geometry.meshes[g].triangles.size(); ++i) {
-        const float emitted = material_luminance_[scene.mesh_materials[g].of(i)];
-        if (emitted > 0.0f && is_valid_triangle(geometry.meshes[g], i)) {
-          add(g, i, emitted * triangle_power(triangle_corners(geometry.meshes[g], i)));
-        }
-      }
+    for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
+      for (std::uint32_t i = 0; i < geometry.meshes[m].triangles.size(); ++i) add_triangle(m, i, powers);
     }
     for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
-      if (is_valid_sphere(geometry.spheres[i])) {
-        add(geometry.sphere_geometry(), i,
-            material_luminance_[scene.sphere_materials[i]] * sphere_power(geometry.spheres[i]));
+      const double power = material_luminance_[scene.sphere_materials[i]] * sphere_power(geometry.spheres[i]);
+      if (power > 0.0 && is_valid_sphere(geometry.spheres[i])) {
+        spheres_.push_back(i);
+        powers.push_back(power);
       }
     }
   }
@@ -80,14 +71,31 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
     cdf_.push_back(static_cast<float>(sum * inv_total_power_));
   }
   cdf_.back() = 1.0f;
-  if (powers.size() > emitters_.size()) {
+  for (TriangleEmitter& t : triangles_) t.pdf_area = triangle_pdf_area(t.material);
+  if (powers.size() > triangles_.size() + spheres_.size()) {
     environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
   }
 }
 
+void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::vector<double>& powers) {
+  const std::uint32_t material = scene_.mesh_materials[mesh_id].of(triangle);
+  const TriangleMesh& mesh = scene_.geometry.meshes[mesh_id];
+  if (!(material_luminance_[material] > 0.0f) || !is_valid_triangle(mesh, triangle)) return;
+  const Triangle corners = triangle_corners(mesh, triangle);
+  const double power = material_luminance_[material] * triangle_power(corners);
+  if (!(power > 0.0)) return;
+  SurfacePoint point;
+  place_on_triangle(corners, 0.0f, 0.0f, point);
+  const Texture& texture = scene_.materials[material].color;
+  triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f,
+                        texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
+  powers.push_back(power);
+}
+
 LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
   const auto chosen = static_cast<std::size_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, select) - cdf_.begin());
-  if (chosen == emitters_.size()) {
+  if (chosen < triangles_.size()) return sample_triangle(triangles_[chosen], p, u);
+  if (chosen == triangles_.size() + spheres_.size()) {
     const EnvironmentSampler::Sample s = environment_.sample(u);
     LightSample light;
     light.wi = s.direction;
@@ -96,12 +104,10 @@ LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
     light.infinite = true;
     return light;
   }
-  const Emitter& emitter = emitters_[chosen];
-  return scene_.geometry.is_sphere(emitter.geometry) ? sample_sphere(emitter, p, u) : sample_triangle(emitter, p, u);
+  return sample_sphere(spheres_[chosen - triangles_.size()], p, u);
 }
 
-LightSample Lights::sample_triangle(const Emitter& emitter, const vec3& p, const vec2& u) const {
-  const TriangleMesh& mesh = scene_.geometry.meshes[emitter.geometry];
+LightSample Lights::sample_triangle(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const {
   // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
   float b1 = 0.5f * u.x, b2 = 0.5f * u.y;
   const float offset = b2 - b1;
@@ -110,32 +116,33 @@ LightSample Lights::sample_triangle(const Emitter& emitter, const vec3& p, const
   } else {
     b1 -= offset;
   }
-  SurfacePoint point;
-  place_on_triangle(triangle_corners(mesh, emitter.primitive), b1, b2, point);
   LightSample light;
-  const vec3 to_light = point.position - p;
+  const vec3 position = emitter.p0 + b1 * emitter.e1 + b2 * emitter.e2;
+  const vec3 to_light = position - p;
   const float distance2 = glm::dot(to_light, to_light);
-  const float inv_distance = 1.0f / std::sqrt(distance2);
-  light.wi = to_light * inv_distance;
-  const std::uint32_t material = scene_.mesh_materials[emitter.geometry].of(emitter.primitive);
-  light.pdf = triangle_pdf(material, p, point.position, point.ng, light.wi);
-  if (!(light.pdf > 0.0f && light.pdf < kInfinity)) {
-    light.pdf = 0.0f;
-    return light;
+  const float facing = glm::dot(to_light, emitter.ng);
+  if (!(distance2 > 0.0f && facing != 0.0f)) return light;
+  const float distance = std::sqrt(distance2);
+  light.wi = to_light / distance;
+  const float pdf = emitter.pdf_area * distance2 * distance / std::abs(facing);
+  if (!(pdf < kInfinity)) return light;
+  light.pdf = pdf;
+  light.target = position - std::copysign(emitter.offset, facing) * emitter.ng;
+  light.radiance = emitter.radiance;
+  if (emitter.varies) {
+    const TriangleMesh& mesh = scene_.geometry.meshes[emitter.mesh];
+    vec2 uv(0.0f);
+    if (!mesh.texcoords.empty()) {
+      const uvec3& i = mesh.texcoord_corners(emitter.triangle);
+      uv = (1.0f - b1 - b2) * mesh.texcoords[i.x] + b1 * mesh.texcoords[i.y] + b2 * mesh.texcoords[i.z];
+    }
+    light.radiance = texture_color(scene_.materials[emitter.material].color, scene_.textures, position, uv);
   }
-  light.target = offset_origin(point, -light.wi);
-  const Texture& texture = scene_.materials[material].color;
-  vec2 uv(0.0f);
-  if (texture.kind == Texture::Kind::image && !mesh.texcoords.empty()) {
-    const uvec3& i = mesh.texcoord_corners(emitter.primitive);
-    uv = (1.0f - b1 - b2) * mesh.texcoords[i.x] + b1 * mesh.texcoords[i.y] + b2 * mesh.texcoords[i.z];
-  }
-  light.radiance = texture_color(texture, scene_.textures, point.position, uv);
   return light;
 }
 
-LightSample Lights::sample_sphere(const Emitter& emitter, const vec3& p, const vec2& u) const {
-  const Sphere& sphere = scene_.geometry.spheres[emitter.primitive];
+LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const vec2& u) const {
+  const Sphere& sphere = scene_.geometry.spheres[sphere_id];
   const vec3 to_center = sphere.center - p;
   const float d2 = glm::dot(to_center, to_center);
   const float r2 = sphere.radius * sphere.radius;
@@ -164,8 +171,8 @@ LightSample Lights::sample_sphere(const Emitter& emitter, const vec3& p, const v
   }
   LightSample light;
   light.wi = glm::normalize(point.position - p);
-  const std::uint32_t material = scene_.sphere_materials[emitter.primitive];
-  light.pdf = sphere_pdf(emitter.primitive, material, p, point.position, light.wi);
+  const std::uint32_t material = scene_.sphere_materials[sphere_id];
+  light.pdf = sphere_pdf(sphere_id, material, p, point.position, light.wi);
   if (!(light.pdf > 0.0f && light.pdf < kInfinity)) {
     light.pdf = 0.0f;
     return light;
@@ -179,11 +186,14 @@ LightSample Lights::sample_sphere(const Emitter& emitter, const vec3& p, const v
 
 float Lights::triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
                            const vec3& wi) const {
-  // Choosing by power makes the density per area the same everywhere on a material: 2 luminance / total.
-  const float pdf_area = 2.0f * material_luminance_[material] * static_cast<float>(inv_total_power_);
   const vec3 to_light = hit_position - p;
   const float cosine = std::abs(glm::dot(ng, wi));
-  return cosine > 0.0f ? pdf_area * glm::dot(to_light, to_light) / cosine : 0.0f;
+  return cosine > 0.0f ? triangle_pdf_area(material) * glm::dot(to_light, to_light) / cosine : 0.0f;
+}
+
+float Lights::triangle_pdf_area(std::uint32_t material) const {
+  // Choosing by power makes the density per area the same everywhere on a material: 2 luminance / total.
+  return 2.0f * material_luminance_[material] * static_cast<float>(inv_total_power_);
 }
 
 float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position,
@@ -211,7 +221,7 @@ float Lights::environment_pdf(const vec3& wi) const {
 }
 
 std::size_t Lights::bytes() const {
-  return emitters_.capacity() * sizeof(Emitter) +
+  return triangles_.capacity() * sizeof(TriangleEmitter) + spheres_.capacity() * sizeof(std::uint32_t) +
          (cdf_.capacity() + material_luminance_.capacity()) * sizeof(float) + environment_.bytes();
 }
 

@@ -40,18 +40,29 @@ class Lights {
   std::size_t bytes() const;
 
  private:
-  struct Emitter {
-    std::uint32_t geometry;
-    std::uint32_t primitive;
+  /// What sampling reads of an emitting triangle, side by side: one that emits is sampled at every vertex of every
+  /// path.
+  struct TriangleEmitter {
+    vec3 p0, e1, e2;
+    vec3 ng;
+    float offset;    ///< see SurfacePoint::offset
+    float pdf_area;  ///< choice included
+    Rgb radiance;    ///< where it does not vary
+    std::uint32_t mesh, triangle, material;
+    bool varies;
   };
 
-  LightSample sample_triangle(const Emitter& emitter, const vec3& p, const vec2& u) const;
-  LightSample sample_sphere(const Emitter& emitter, const vec3& p, const vec2& u) const;
+  void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
+  float triangle_pdf_area(std::uint32_t material) const;
+  LightSample sample_triangle(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
+  LightSample sample_sphere(std::uint32_t sphere, const vec3& p, const vec2& u) const;
   float sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position, const vec3& wi) const;
 
   const Scene& scene_;
-  std::vector<Emitter> emitters_;  ///< the environment, if sampled, comes after the last
-  std::vector<float> cdf_;         ///< cumulated probability up to and including each
+  std::vector<TriangleEmitter> triangles_;
+  std::vector<std::uint32_t> spheres_;  ///< ids of those that emit
+  /// Cumulated probability up to and including each emitter: triangles, spheres, and the environment if sampled.
+  std::vector<float> cdf_;
   std::vector<float> material_luminance_;
   double inv_total_power_ = 0.0;
   float environment_probability_ = 0.0f;
