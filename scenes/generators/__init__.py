@@ -1,6 +1,6 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import bunny, cornell, dragon, globe, mirror_room, one_weekend
+from . import bunny, cornell, dragon, forest, globe, mirror_room, one_weekend
 
 SCENES = {
     "cornell": cornell.files,
@@ -9,4 +9,5 @@ SCENES = {
     "dragon": dragon.files,
     "bunny": bunny.files,
     "globe": globe.files,
+    "forest": forest.files,
 }
