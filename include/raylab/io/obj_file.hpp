@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,20 +11,25 @@ namespace raylab {
 /// A mesh from an OBJ file with the materials of its MTL files.
 struct ObjMesh {
   TriangleMesh mesh;
-  std::vector<Material> materials;             ///< as read; Texture::image indexes `textures`
-  std::vector<TextureImage> textures;
-  std::vector<std::uint16_t> triangle_materials;  ///< index into `materials` of each triangle; empty: all 0
-  std::vector<std::string> warnings;           ///< "file:line: message"
-  std::vector<std::string> notes;              ///< how each material was understood
-  std::vector<std::filesystem::path> files;    ///< every file read, for the scene hash
+  MeshMaterials mesh_materials;              ///< indices into `materials`
+  std::vector<Material> materials;           ///< those that faces use; Texture::image indexes `textures`
+  std::vector<TextureImage> textures;        ///< those that materials use
+  std::vector<std::string> warnings;         ///< "file:line: message"
+  std::vector<std::string> notes;            ///< how each material was understood
+  std::vector<std::filesystem::path> files;  ///< every file read, for the scene hash
 };
 
 struct ObjOptions {
   bool ignore_materials = false;  ///< the scene gives the material: MTL files are not read
 };
 
-/// Reads an OBJ file and its MTL files and textures. Polygons become triangles (concave ones too). Indices that
-/// are out of range or vertices that are not finite are errors with file:line. Throws Error (input).
+/// Reads an OBJ file and the MTL files and textures it uses. Polygons become triangles, concave ones too; faces of
+/// fewer than three distinct corners are left out with a warning. A mesh has normals or texture coordinates when some
+/// face has; the other faces then get their geometric normal, or (0, 0).
+/// Faces without a material, or with one that no MTL file defines, are lambertian grey (0.5); what is missing is
+/// named in a warning, and a missing texture is magenta.
+/// Indices that are out of range, numbers that are none and vertices that are not finite are errors with file:line.
+/// Throws Error (input).
 ObjMesh read_obj(const std::filesystem::path& file, const ObjOptions& options = {});
 
 }  // namespace raylab

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace raylab {
+
+/// The whole file. Throws Error (input) naming the file and the reason.
+std::string read_file(const std::filesystem::path& file);
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo), over pieces of bytes, each followed by its length so that moving bytes
+/// from one piece to the next changes the hash.
+class ContentHash {
+ public:
+  void add(const std::string& bytes);
+  /// Throws Error (input) when the file cannot be read.
+  void add_file(const std::filesystem::path& file);
+  std::uint64_t value() const { return value_; }
+
+ private:
+  void add_bytes(const char* bytes, std::size_t count);
+  void add_length(std::uint64_t length);
+
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+}  // namespace raylab

@@ -1,0 +1,33 @@
+#pragma once
+// The words of messages: values as they are shown, and the name someone probably meant.
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "raylab/core/vec.hpp"
+
+namespace raylab {
+
+/// Shortest decimal that reads back as the same number.
+std::string number_text(float value);
+std::string number_text(double value);
+
+/// "(0.73, 0.73, 0.73)"
+std::string color_text(const Rgb& color);
+
+/// In double quotes; long texts are cut.
+std::string in_quotes(std::string_view text);
+
+/// Least number of insertions, deletions and substitutions of characters that turn a into b (Levenshtein).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The candidate with the smallest edit distance, the first of equals; empty when there are none.
+std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
+
+/// `: the nearest known KIND is "NAME"`, or nothing when there are no candidates.
+std::string nearest_hint(std::string_view name, std::span<const std::string> candidates, std::string_view kind);
+
+/// Without the spaces, tabs and line ends around it.
+std::string_view trimmed(std::string_view text);
+
+}  // namespace raylab

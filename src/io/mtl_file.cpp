@@ -1,0 +1,204 @@
+#include "mtl_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "file_bytes.hpp"
+#include "message_text.hpp"
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+namespace {
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view space = " \t";
+  for (std::size_t at = text.find_first_not_of(space); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(space, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(space, end);
+  }
+  return words;
+}
+
+/// Words before a comment, on lines that hold no names.
+std::vector<std::string_view> values_of(std::string_view text) { return words_of(text.substr(0, text.find('#'))); }
+
+std::optional<float> number_in(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;  // what is too small for a float becomes 0
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const float rounded = static_cast<float>(value);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(rounded)) return std::nullopt;
+  return rounded;
+}
+
+/// How many values the options of a texture map take: at most, for those with a variable number.
+int option_values(std::string_view option) {
+  constexpr std::string_view one[] = {"-blendu", "-blendv", "-boost", "-texres", "-clamp",
+                                      "-bm",     "-imfchan", "-type", "-cc"};
+  constexpr std::string_view up_to_three[] = {"-o", "-s", "-t"};
+  if (std::find(std::begin(one), std::end(one), option) != std::end(one)) return 1;
+  if (std::find(std::begin(up_to_three), std::end(up_to_three), option) != std::end(up_to_three)) return 3;
+  return option == "-mm" ? 2 : 0;
+}
+
+class MtlReader {
+ public:
+  MtlReader(const std::filesystem::path& file, std::vector<std::string>& warnings)
+      : file_(file.string()), warnings_(warnings) {}
+
+  std::vector<MtlMaterial> read(std::string_view text) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
+    while (!text.empty()) {
+      ++line_;
+      const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+      statement(trimmed(text.substr(0, end)));
+      text.remove_prefix(end);
+      text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(text.size(), 1));
+    }
+    return std::move(materials_);
+  }
+
+ private:
+  std::string place() const { return file_ + ":" + std::to_string(line_); }
+
+  [[noreturn]] void fail(std::string_view found, const std::string& expected) const {
+    throw Error(ErrorKind::input, place(), "found " + in_quotes(found) + ", expected " + expected);
+  }
+
+  void warn_once(const std::string& kind, const std::string& message) {
+    if (warned_.insert(kind).second) warnings_.push_back(place() + ": " + message);
+  }
+
+  void statement(std::string_view line) {
+    if (line.empty() || line[0] == '#') return;
+    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
+    const std::string keyword(line.substr(0, end));
+    const std::string_view rest = trimmed(line.substr(end));
+    if (keyword == "newmtl") {
+      new_material(std::string(rest));
+    } else if (materials_.empty()) {
+      warn_once(keyword, in_quotes(keyword) + " before the first newmtl is left out");
+    } else if (!skipping_) {
+      property(materials_.back(), keyword, rest);
+    }
+  }
+
+  void new_material(std::string name) {
+    if (name.empty()) fail("newmtl", "a name after newmtl");
+    const auto same = std::find_if(materials_.begin(), materials_.end(),
+                                   [&](const MtlMaterial& material) { return material.name == name; });
+    skipping_ = same != materials_.end();
+    if (skipping_) {
+      warnings_.push_back(place() + ": material " + in_quotes(name) + " is left out: " + same->place + " has that name");
+      return;
+    }
+    materials_.emplace_back();
+    materials_.back().name = std::move(name);
+    materials_.back().place = place();
+  }
+
+  void property(MtlMaterial& material, const std::string& keyword, std::string_view rest) {
+    if (keyword == "Kd") {
+      material.kd = color(keyword, rest);
+    } else if (keyword == "Ks") {
+      material.ks = color(keyword, rest);
+    } else if (keyword == "Ke") {
+      material.ke = color(keyword, rest);
+    } else if (keyword == "Ns") {
+      material.ns = number(rest);
+    } else if (keyword == "Ni") {
+      material.ni = number(rest);
+      if (!(*material.ni > 0.0f)) fail(rest, "an index of refraction above 0");
+    } else if (keyword == "illum") {
+      const float value = number(rest);
+      if (value != std::floor(value) || value < 0.0f || value > 10.0f) fail(rest, "an integer from 0 to 10");
+      material.illum = static_cast<int>(value);
+    } else if (keyword == "map_Kd") {
+      material.map_kd = map_file(keyword, rest);
+      material.map_kd_place = place();
+    } else if (!changes_nothing(keyword, rest)) {
+      warn_once(keyword, in_quotes(keyword) + " is not understood and left out");
+    }
+  }
+
+  /// Ambient light does not exist here, nor do d 1, Tr 0 and Tf 1 1 1 differ from saying nothing.
+  static bool changes_nothing(const std::string& keyword, std::string_view rest) {
+    const auto words = values_of(rest);
+    const auto all_are = [&](float value) {
+      return std::all_of(words.begin(), words.end(), [&](std::string_view w) { return number_in(w) == value; });
+    };
+    if (keyword == "Ka" || keyword == "map_Ka") return true;
+    if (keyword == "d" || keyword == "Tf") return all_are(1.0f);
+    return keyword == "Tr" && all_are(0.0f);
+  }
+
+  float number(std::string_view rest) const {
+    const auto words = values_of(rest);
+    const auto value = words.size() == 1 ? number_in(words[0]) : std::nullopt;
+    if (!value) fail(rest, "a finite number");
+    return *value;
+  }
+
+  /// Three numbers, or one for all. Spectral curves and XYZ colours give a warning and no value.
+  std::optional<Rgb> color(const std::string& keyword, std::string_view rest) {
+    const auto words = values_of(rest);
+    if (!words.empty() && (words[0] == "spectral" || words[0] == "xyz")) {
+      warn_once(keyword + std::string(words[0]), in_quotes(keyword + " " + std::string(words[0])) +
+                                                     " is not understood and left out");
+      return std::nullopt;
+    }
+    if (words.size() != 3 && words.size() != 1) fail(rest, "a colour r g b after " + keyword);
+    Rgb value;
+    for (int i = 0; i < 3; ++i) {
+      const std::string_view word = words[words.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+      const auto channel = number_in(word);
+      if (!channel || *channel < 0.0f) fail(word, "a finite number, at least 0");
+      value[i] = *channel;
+    }
+    return value;
+  }
+
+  /// The file name of a map, which may hold spaces, and stand before, after or between the options.
+  std::string map_file(const std::string& keyword, std::string_view rest) {
+    const auto words = words_of(rest);
+    std::size_t first = words.size(), last = words.size();
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      int values = option_values(words[i]);
+      if (values == 0) {
+        if (first == words.size()) first = i;
+        if (last == words.size() || last + 1 == i) last = i;
+        continue;
+      }
+      warn_once(keyword + std::string(words[i]),
+                "option " + in_quotes(words[i]) + " of " + keyword + " is left out");
+      const bool numbers_only = values == 3;  // -o, -s and -t end at the first word that is no number
+      while (values-- > 0 && i + 1 < words.size() && !(numbers_only && !number_in(words[i + 1]))) ++i;
+    }
+    if (first == words.size()) fail(rest, "a file name after " + keyword);
+    std::string name(words[first].data(), words[last].data() + words[last].size());
+    if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return name;
+  }
+
+  std::string file_;
+  std::vector<std::string>& warnings_;
+  std::vector<MtlMaterial> materials_;
+  std::set<std::string> warned_;
+  bool skipping_ = false;  // inside a material whose name was taken
+  int line_ = 0;
+};
+
+}  // namespace
+
+std::vector<MtlMaterial> read_mtl(const std::filesystem::path& file, std::vector<std::string>& warnings) {
+  return MtlReader(file, warnings).read(read_file(file));
+}
+
+}  // namespace raylab

@@ -1,0 +1,53 @@
+#pragma once
+#include <functional>
+#include <streambuf>
+#include <string>
+#include <string_view>
+
+namespace raylab {
+
+/// Feeds an OBJ file to tinyobjloader one statement at a time, so that its callbacks know the line they come from,
+/// and refuses what tinyobjloader reads as something else without a word: numbers that are none become 0 there,
+/// index 0 means no index, lines are not continued, and a material's name ends at its first space.
+/// tinyobjloader sees the v, vn, vt and f statements alone; all others go to `other`.
+class ObjSource : public std::streambuf {
+ public:
+  using Statement = std::function<void(std::string_view keyword, std::string_view rest)>;
+
+  /// `text` is the whole file, `file` its name in messages.
+  ObjSource(std::string text, std::string file, Statement other);
+
+  /// Statements of each kind, for reserving memory; statements that are indented or continued may be missed.
+  struct Counts {
+    std::size_t vertices = 0, normals = 0, texcoords = 0, faces = 0;
+  };
+  Counts counts() const;
+
+  /// First line of the statement read last, from 1.
+  int line() const { return line_; }
+  /// "file:line" of it.
+  std::string place() const { return file_ + ":" + std::to_string(line_); }
+
+  /// Throws Error (input): "file:line: found VALUE, expected ...".
+  [[noreturn]] void fail(std::string_view found, const std::string& expected) const;
+  /// The same with the whole statement as what was found.
+  [[noreturn]] void fail(const std::string& expected) const;
+
+ protected:
+  int_type underflow() override;
+
+ private:
+  std::size_t line_end(std::size_t from);
+  bool next_statement();
+  void check_numbers(std::string_view rest, int least) const;
+  void check_corners(std::string_view rest) const;
+
+  std::string text_;
+  std::string file_;
+  Statement other_;
+  std::size_t begin_ = 0, end_ = 0;  // of the statement, its line end included
+  int line_ = 0;
+  int next_line_ = 1;
+};
+
+}  // namespace raylab

@@ -1,0 +1,63 @@
+#pragma once
+// The tables of a scene file, each read and checked by one function. A null table means that the file lacks it.
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "material_library.hpp"
+#include "raylab/scene/scene.hpp"
+#include "toml_value.hpp"
+
+namespace raylab {
+
+/// [camera]: every key optional. Refuses look_from = look_at and a view along up.
+CameraSettings read_camera(const TomlValue* table);
+
+/// [render]: every key optional. Refuses pictures of more than 2^28 pixels.
+RenderSettings read_render(const TomlValue* table);
+
+/// [background]: color, bottom with top, or image; black without the table. The picture read is added to `files`.
+Environment read_background(const TomlValue* table, const std::filesystem::path& folder,
+                            std::vector<std::filesystem::path>& files);
+
+/// The [material.NAME] tables, which meshes and spheres name.
+class SceneMaterials {
+ public:
+  SceneMaterials(const TomlValue* table, const std::filesystem::path& folder, MaterialLibrary& library);
+
+  /// Index in the library of the material that a `material` key names. Throws Error, naming the nearest name.
+  std::uint32_t use(const TomlValue& name, const std::string& path);
+
+  /// Throws Error at the first material that no one used.
+  void check_all_used() const;
+
+ private:
+  struct Entry {
+    const TomlValue* table;
+    std::uint32_t index;
+    bool used;
+  };
+  std::vector<Entry> entries_;
+};
+
+/// [[sphere]]: center, radius and material, all required. Appends to the scene.
+void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, Scene& scene);
+
+/// A [[mesh]] as the scene file gives it.
+struct MeshEntry {
+  const TomlValue* table;
+  std::string name;                        ///< the OBJ file as written
+  std::optional<std::uint32_t> material;   ///< absent: materials from the MTL files
+  float scale = 1.0f;                      ///< first, then the rotation, then the translation
+  float rotate_y = 0.0f;                   ///< degrees, anticlockwise seen from +y
+  vec3 translate = vec3(0.0f);
+};
+std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMaterials& materials);
+
+/// Reads the OBJ file of an entry, moves it into place and appends it to the scene.
+void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene);
+
+}  // namespace raylab

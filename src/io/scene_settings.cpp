@@ -1,0 +1,104 @@
+// [camera], [render] and [background].
+#include "scene_sections.hpp"
+#include "texture_files.hpp"
+#include "toml_reader.hpp"
+
+namespace raylab {
+namespace {
+
+constexpr Numbers kFieldOfView = {"a number of degrees in (0, 180)", [](float x) { return x > 0.0f && x < 180.0f; }};
+constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)", [](float x) { return x >= 0.0f && x < 180.0f; }};
+
+/// Throws at the first of the keys that the table has, or at the table.
+[[noreturn]] void fail_at(const TomlValue& table, std::initializer_list<const char*> keys,
+                          const std::string& message) {
+  for (const char* key : keys) {
+    if (const TomlValue* value = table.find(key)) value->fail_here(message);
+  }
+  table.fail_here(message);
+}
+
+void check_view(const CameraSettings& camera, const TomlValue& table) {
+  const dvec3 view = dvec3(camera.look_at) - dvec3(camera.look_from);
+  const dvec3 up(camera.up);
+  if (view == dvec3(0.0)) {
+    fail_at(table, {"look_at", "look_from"}, "camera: look_from and look_at are the same point");
+  }
+  if (up == dvec3(0.0)) fail_at(table, {"up"}, "camera.up: found a vector of length zero, expected a direction");
+  // The same to within rounding of the float components.
+  if (glm::length(glm::cross(glm::normalize(view), glm::normalize(up))) < 1e-6) {
+    fail_at(table, {"up", "look_at", "look_from"}, "camera: the view from look_from to look_at runs along up");
+  }
+}
+
+}  // namespace
+
+CameraSettings read_camera(const TomlValue* table) {
+  CameraSettings camera;
+  if (table == nullptr) return camera;
+  TableReader reader(*table, "camera");
+  reader.vector("look_from", camera.look_from, kAnyNumber);
+  reader.vector("look_at", camera.look_at, kAnyNumber);
+  reader.vector("up", camera.up, kAnyNumber);
+  reader.number("vfov", camera.vfov, kFieldOfView);
+  reader.number("defocus_angle", camera.defocus_angle, kConeAngle);
+  reader.number("focus_distance", camera.focus_distance, kPositive);
+  reader.finish();
+  check_view(camera, *table);
+  return camera;
+}
+
+RenderSettings read_render(const TomlValue* table) {
+  RenderSettings render;
+  if (table == nullptr) return render;
+  TableReader reader(*table, "render");
+  reader.count("width", render.width);
+  reader.count("height", render.height);
+  reader.count("samples_per_pixel", render.samples_per_pixel);
+  reader.count("max_depth", render.max_depth);
+  reader.finish();
+  constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
+  if (std::int64_t{render.width} * render.height > most_pixels) {
+    fail_at(*table, {"width", "height"},
+            "render: found " + std::to_string(render.width) + " x " + std::to_string(render.height) +
+                " pixels, expected at most " + std::to_string(most_pixels));
+  }
+  return render;
+}
+
+Environment read_background(const TomlValue* table, const std::filesystem::path& folder,
+                            std::vector<std::filesystem::path>& files) {
+  Environment environment;
+  if (table == nullptr) return environment;
+  TableReader reader(*table, "background");
+  const TomlValue* color = reader.find("color");
+  const TomlValue* bottom = reader.find("bottom");
+  const TomlValue* top = reader.find("top");
+  const TomlValue* image = reader.find("image");
+  reader.finish();
+  const int ways = (color != nullptr) + (bottom != nullptr || top != nullptr) + (image != nullptr);
+  if (ways > 1) {
+    fail_at(*table, {"image", "bottom", "top"}, "background: expected only one of color, bottom with top, image");
+  }
+  if ((bottom == nullptr) != (top == nullptr)) {
+    fail_at(*table, {"bottom", "top"}, "background: expected bottom and top together");
+  }
+  if (color != nullptr) environment.bottom = vec3_of(*color, "background.color", kNotNegative);
+  if (bottom != nullptr) {
+    environment.kind = Environment::Kind::gradient;
+    environment.bottom = vec3_of(*bottom, "background.bottom", kNotNegative);
+    environment.top = vec3_of(*top, "background.top", kNotNegative);
+  }
+  if (image != nullptr) {
+    const std::string& name = string_of(*image, "background.image");
+    const std::filesystem::path file = folder / name;
+    if (!is_exr(file)) image->fail("background.image", "the name of an EXR file");
+    if (!std::filesystem::is_regular_file(file)) image->fail("background.image", "an existing file");
+    environment.kind = Environment::Kind::image;
+    environment.picture = read_texture(file, name);
+    files.push_back(file);
+  }
+  return environment;
+}
+
+}  // namespace raylab

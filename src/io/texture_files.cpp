@@ -1,0 +1,85 @@
+#include "texture_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "message_text.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/image/image_file.hpp"
+
+namespace raylab {
+namespace {
+
+std::vector<Rgb> decoded_srgb(const Image8& image) {
+  std::array<float, 256> linear{};
+  for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = srgb_to_linear(static_cast<float>(i) / 255.0f);
+  std::vector<Rgb> texels(image.rgb.size() / 3);
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const std::uint8_t* rgb = &image.rgb[3 * i];
+    texels[i] = Rgb(linear[rgb[0]], linear[rgb[1]], linear[rgb[2]]);
+  }
+  return texels;
+}
+
+/// Pictures of light may hold what is no light: such a texel would spoil every path that meets it.
+void check_texels(const TextureImage& image, const std::filesystem::path& file) {
+  for (std::size_t i = 0; i < image.texels.size(); ++i) {
+    const Rgb& c = image.texels[i];
+    if (is_finite(c) && c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f) continue;
+    const std::size_t width = static_cast<std::size_t>(image.width);
+    throw Error(ErrorKind::input, file.string(),
+                "pixel (" + std::to_string(i % width) + ", " + std::to_string(i / width) + "): found " +
+                    color_text(c) + ", expected finite values, at least 0");
+  }
+}
+
+}  // namespace
+
+bool is_exr(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending == ".exr";
+}
+
+TextureImage read_texture(const std::filesystem::path& file, const std::string& name) {
+  TextureImage texture;
+  texture.name = name;
+  if (is_exr(file)) {
+    Image image = read_exr(file);
+    texture.width = image.width;
+    texture.height = image.height;
+    texture.texels = std::move(image.pixels);
+    check_texels(texture, file);
+  } else {
+    const Image8 image = read_image8(file);
+    texture.width = image.width;
+    texture.height = image.height;
+    texture.texels = decoded_srgb(image);
+  }
+  dvec3 sum(0.0);
+  for (const Rgb& texel : texture.texels) sum += dvec3(texel);
+  texture.mean = Rgb(sum / static_cast<double>(std::max<std::size_t>(texture.texels.size(), 1)));
+  return texture;
+}
+
+void check_albedo(const TextureImage& image, const std::string& place) {
+  for (const Rgb& texel : image.texels) {
+    if (max_component(texel) <= 1.0f) continue;
+    throw Error(ErrorKind::input, place,
+                "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) + ", expected values in [0, 1]");
+  }
+}
+
+std::uint32_t TextureFiles::load(const std::filesystem::path& file, const std::string& name) {
+  const auto next = static_cast<std::uint32_t>(images_.size());
+  const auto [entry, is_new] = index_.try_emplace(std::filesystem::weakly_canonical(file), next);
+  if (is_new) {
+    images_.push_back(read_texture(file, name));
+    files_.push_back(file);
+  }
+  return entry->second;
+}
+
+}  // namespace raylab
