@@ -193,8 +193,9 @@ ImageInfo detail::read_exr_info(const fs::path& file) {
     ImageInfo info{size.width, size.height, {}, string_attributes(header)};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
       const Imf::PixelType type = c.channel().type;
-      info.channels.push_back(std::string(c.name()) +
-                              (type == Imf::HALF ? " half" : type == Imf::FLOAT ? " float" : " uint"));
+      info.channels.push_back(std::string(c.name()) + (type == Imf::HALF    ? " half"
+                                                       : type == Imf::FLOAT ? " float"
+                                                                            : " uint"));
     }
     return info;
   });

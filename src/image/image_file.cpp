@@ -61,8 +61,10 @@ bool is_exr(const fs::path& file) {
 void write_image(const fs::path& file, const Image& image, const std::vector<Layer>& layers,
                  const Attributes& attributes) {
   switch (output_format(file)) {
-    case Format::exr: return write_exr(file, image, layers, attributes);
-    case Format::png: return write_png(file, image);
+    case Format::exr:
+      return write_exr(file, image, layers, attributes);
+    case Format::png:
+      return write_png(file, image);
   }
 }
 

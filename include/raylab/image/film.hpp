@@ -9,10 +9,10 @@
 
 namespace raylab {
 
-/// Sum of up to 2^32 numbers in 128-bit fixed point with 55 fractional bits. Each number is cut towards zero to a
-/// multiple of 2^-55, which leaves a float of 2^-32 or more as it is; from there on the sum is exact and cannot
-/// overflow. It does not depend on the order or grouping of its terms, nor on whether denormals are flushed:
-/// pictures are equal to the bit however samples are split over threads, tiles, passes and machines.
+/// Sum of fewer than 2^32 numbers in 128-bit fixed point with 55 fractional bits. Each number is cut towards zero
+/// to a multiple of 2^-55, which leaves a float of 2^-32 or more as it is; from there on the sum is exact and
+/// cannot overflow. It does not depend on the order or grouping of its terms, nor on whether denormals are
+/// flushed: pictures are equal to the bit however samples are split over threads, tiles, passes and machines.
 class ExactSum {
  public:
   static constexpr double kLargest = 0x1p40;  ///< terms are clamped to this size

@@ -8,10 +8,12 @@ namespace raylab {
 /// Errors of a picture against a reference, over all pixels and channels. Where either is NaN or infinite the
 /// error counts as infinite: it is not dropped.
 struct ImageError {
-  double relmse = 0.0;          ///< mean of (I-R)² / (R² + 0.01)
-  double relmse_trimmed = 0.0;  ///< the same without the worst 0.1% of the pixels (by a pixel's mean over channels)
-  double mse = 0.0;             ///< mean of (I-R)²
-  double mean_ratio = 1.0;  ///< mean of I / mean of R: the bias; 1 when both are black, NaN with a non-finite value
+  double relmse = 0.0;  ///< mean of (I-R)² / (R² + 0.01)
+  double relmse_trimmed =
+      0.0;           ///< the same without the worst 0.1% of the pixels (by a pixel's mean over channels)
+  double mse = 0.0;  ///< mean of (I-R)²
+  double mean_ratio =
+      1.0;  ///< mean of I / mean of R: the bias; 1 when both are black, NaN with a non-finite value
   /// Standard error of mean_ratio by the delta method for a ratio of means, pixels taken as independent; infinity
   /// when it is unknown: fewer than two pixels, a black reference alone, or a non-finite value.
   double mean_ratio_error = 0.0;

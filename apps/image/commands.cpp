@@ -1,0 +1,62 @@
+#include "commands.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "raylab/image/image_file.hpp"
+#include "raylab/image/metrics.hpp"
+
+namespace raylab::app {
+
+namespace fs = std::filesystem;
+
+void compare(const fs::path& image_file, const fs::path& reference_file, bool as_json) {
+  const Image image = read_image(image_file);
+  const ImageError error = image_error(image, read_image(reference_file));
+  const std::size_t pixels = image.pixels.size();
+  if (as_json) {
+    const nlohmann::ordered_json row{{"relmse", error.relmse},
+                                     {"relmse_trimmed", error.relmse_trimmed},
+                                     {"mse", error.mse},
+                                     {"mean_ratio", error.mean_ratio},
+                                     {"mean_ratio_error", error.mean_ratio_error},
+                                     {"different_pixels", error.different_pixels},
+                                     {"pixels", pixels}};
+    std::printf("%s\n", row.dump(2).c_str());
+    return;
+  }
+  std::printf("relMSE            %.6g\n", error.relmse);
+  std::printf("relMSE, trimmed   %.6g   (without the worst 0.1%% of the pixels)\n", error.relmse_trimmed);
+  std::printf("MSE               %.6g\n", error.mse);
+  std::printf("mean ratio        %.6g ± %.2g\n", error.mean_ratio, error.mean_ratio_error);
+  std::printf("differing pixels  %zu of %zu\n", error.different_pixels, pixels);
+}
+
+void convert(const fs::path& input, const fs::path& output, double exposure_stops) {
+  check_writable_image(output);
+  Image image = read_image(input);
+  const auto scale = static_cast<float>(std::exp2(exposure_stops));
+  for (Rgb& pixel : image.pixels) pixel *= scale;
+  write_image(output, image, {}, read_image_info(input).attributes);
+}
+
+void info(const fs::path& file) {
+  const ImageInfo info = read_image_info(file);
+  std::printf("size: %d x %d\n", info.width, info.height);
+  std::printf("channels:");
+  const char* separator = " ";
+  for (const std::string& channel : info.channels) {
+    std::printf("%s%s", separator, channel.c_str());
+    separator = ", ";
+  }
+  std::printf("\n");
+  for (const auto& [name, value] : info.attributes) std::printf("%s: %s\n", name.c_str(), value.c_str());
+}
+
+void diff(const fs::path& image, const fs::path& reference, const fs::path& output, double full_scale) {
+  check_writable_image(output);
+  write_image(output, error_picture(read_image(image), read_image(reference), full_scale));
+}
+
+}  // namespace raylab::app

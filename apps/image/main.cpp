@@ -1,0 +1,83 @@
+// raylab-image: compares, converts and describes pictures.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "commands.hpp"
+#include "raylab/core/error.hpp"
+
+namespace {
+
+using raylab::Error;
+using raylab::ErrorKind;
+
+/// Runs the command that the arguments name. Throws Error; what CLI11 has to say of the arguments becomes one of
+/// kind usage.
+void run(int argc, char** argv) {
+  CLI::App app{"Compares, converts and describes pictures: OpenEXR, PNG, and to read also JPEG, TGA and BMP."};
+  app.name("raylab-image");
+  app.set_version_flag("--version", "raylab-image " RAYLAB_VERSION);
+  app.require_subcommand(1);
+
+  std::string image, reference, input, output;
+  bool as_json = false;
+  double exposure = 0.0;
+  double full_scale = 1.0;
+
+  CLI::App* compare = app.add_subcommand("compare", "Print the errors of a picture against a reference");
+  compare->add_option("IMAGE", image, "The picture to judge")->required();
+  compare->add_option("REFERENCE", reference, "The picture to judge it by, of the same size")->required();
+  compare->add_flag("--json", as_json, "Print a JSON object; a value that is not finite is null");
+
+  CLI::App* convert = app.add_subcommand("convert", "Write a picture in another format; layers are left out");
+  convert->add_option("IN", input, "The picture to read")->required();
+  convert->add_option("OUT", output, "The .exr or .png file to write")->required();
+  convert->add_option("--exposure", exposure, "Multiply the linear values by 2^STOPS")
+      ->type_name("STOPS")
+      ->check(CLI::Range(-100.0, 100.0));
+
+  CLI::App* info = app.add_subcommand("info", "Print a picture's size, channels and attributes");
+  info->add_option("FILE", input, "The picture to describe")->required();
+
+  CLI::App* diff = app.add_subcommand(
+      "diff",
+      "Write a picture of the relative error of each pixel: black for none, then red, yellow, and white for the "
+      "full scale and above; magenta marks values that are not finite");
+  diff->add_option("IMAGE", image, "The picture to judge")->required();
+  diff->add_option("REFERENCE", reference, "The picture to judge it by, of the same size")->required();
+  diff->add_option("-o,--output", output, "The .exr or .png file to write")->required()->type_name("OUT");
+  diff->add_option("--full-scale", full_scale, "The relative error shown as white (default 1, which is 100%)")
+      ->type_name("ERROR")
+      ->check(CLI::Range(1e-12, 1e12));
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    // Help and version come as exceptions too.
+    if (e.get_exit_code() == 0) {
+      app.exit(e);
+      return;
+    }
+    throw Error(ErrorKind::usage, "", e.what());
+  }
+  if (*compare) raylab::app::compare(image, reference, as_json);
+  if (*convert) raylab::app::convert(input, output, exposure);
+  if (*info) raylab::app::info(input);
+  if (*diff) raylab::app::diff(image, reference, output, full_scale);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    run(argc, argv);
+    if (std::fflush(stdout) != 0) throw Error(ErrorKind::output, "standard output", "cannot be written");
+    return 0;
+  } catch (const Error& e) {
+    std::fprintf(stderr, "raylab-image: %s\n", e.what());
+    return e.exit_code();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "raylab-image: %s\n", e.what());
+    return static_cast<int>(ErrorKind::failure);
+  }
+}
