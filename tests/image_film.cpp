@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "catch.hpp"
+#include "raylab/core/numeric.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/image/film.hpp"
+
+using namespace raylab;
+
+namespace {
+
+/// Random numbers of either sign, their exponents spread evenly over 2^-60 to 2^39.
+std::vector<float> spread_numbers(std::size_t count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> mantissa(-2.0f, 2.0f);
+  std::uniform_int_distribution<int> exponent(-60, 38);
+  std::vector<float> numbers(count);
+  for (float& x : numbers) x = std::ldexp(mantissa(random), exponent(random));
+  return numbers;
+}
+
+ExactSum sum_of(const std::vector<float>& numbers) {
+  ExactSum sum;
+  for (const float x : numbers) sum.add(x);
+  return sum;
+}
+
+double value_of(double x) {
+  ExactSum sum;
+  sum.add(x);
+  return sum.value();
+}
+
+}  // namespace
+
+TEST_CASE("an exact sum is the true sum where long double can hold it", "[unit][image]") {
+  // Multiples of 2^-20 below 2^30, 4000 of them: the sum has fewer than 63 bits.
+  std::mt19937_64 random(1);
+  ExactSum sum;
+  long double expected = 0.0L;
+  for (int i = 0; i < 4000; ++i) {
+    const auto x = static_cast<double>(static_cast<std::int64_t>(random()) >> 14) * 0x1p-20;
+    sum.add(x);
+    expected += static_cast<long double>(x);
+  }
+  CHECK(sum.value() == static_cast<double>(expected));
+}
+
+TEST_CASE("an exact sum does not depend on order or grouping, where a float sum does", "[unit][image]") {
+  std::vector<float> numbers = spread_numbers(10000);
+  const ExactSum in_order = sum_of(numbers);
+  const float naive_in_order = std::accumulate(numbers.begin(), numbers.end(), 0.0f);
+  std::mt19937 random(3);
+  bool naive_differs = false;
+  for (int trial = 0; trial < 20; ++trial) {
+    std::shuffle(numbers.begin(), numbers.end(), random);
+    CHECK(sum_of(numbers) == in_order);
+    naive_differs |= std::accumulate(numbers.begin(), numbers.end(), 0.0f) != naive_in_order;
+
+    ExactSum grouped;
+    for (std::size_t begin = 0; begin < numbers.size();) {
+      const std::size_t end = std::min(numbers.size(), begin + 1 + random() % 500);
+      ExactSum group;
+      for (; begin < end; ++begin) group.add(numbers[begin]);
+      grouped.add(group);
+    }
+    CHECK(grouped == in_order);
+  }
+  CHECK(naive_differs);
+}
+
+TEST_CASE("an exact sum keeps floats from 2^-32 to 2^40 as they are, and subtracts what it added",
+          "[unit][image]") {
+  for (const float x : {0x1p-32f, 0x1.fffffep-32f, 0.1f, 1.0f, 65504.0f, 0x1.234566p39f, 0x1p40f}) {
+    CHECK(value_of(x) == x);
+    CHECK(value_of(-x) == -x);
+    ExactSum sum;
+    sum.add(1.0 / 3.0);
+    const ExactSum before = sum;
+    sum.add(x);
+    sum.add(-x);
+    CHECK(sum == before);
+  }
+}
+
+TEST_CASE("an exact sum cuts each term towards zero at 2^-55", "[unit][image]") {
+  CHECK(value_of(0x1p-55) == 0x1p-55);
+  CHECK(value_of(0x1.cp-55) == 0x1p-55);
+  CHECK(value_of(-0x1.cp-55) == -0x1p-55);
+  CHECK(value_of(1.0 + 0x1p-52) == 1.0 + 0x1p-52);
+  CHECK(value_of(0x1.8p-56) == 0.0);
+  ExactSum twice;
+  twice.add(0x1.8p-56);
+  twice.add(0x1.8p-56);
+  CHECK(twice.value() == 0.0);
+  CHECK(value_of(std::numeric_limits<float>::denorm_min()) == 0.0);
+}
+
+TEST_CASE("an exact sum clamps its terms to 2^40 and has room for 2^32 - 1 of them", "[unit][image]") {
+  CHECK(value_of(1e30f) == 0x1p40);
+  CHECK(value_of(-1e30f) == -0x1p40);
+  CHECK(value_of(kInfinity) == 0x1p40);
+  CHECK(value_of(std::nextafter(0x1p40, 0.0)) < 0x1p40);
+  ExactSum largest;
+  for (int bit = 0; bit < 32; ++bit) {
+    ExactSum power;  // 2^bit times the largest term
+    power.add(kInfinity);
+    for (int i = 0; i < bit; ++i) power.add(ExactSum(power));
+    largest.add(power);
+  }
+  CHECK(largest.value() == 0x1p40 * 4294967295.0);
+}
+
+TEST_CASE("a film is the same with denormals flushed or not", "[unit][image]") {
+  const auto fill = [](Film& film) {
+    std::vector<float> numbers = spread_numbers(3000);
+    for (int e = -149; e < -120; ++e) numbers.push_back(std::ldexp(1.75f, e));
+    for (std::size_t i = 0; i + 2 < numbers.size(); ++i) {
+      film.add(0, 0, Rgb(std::abs(numbers[i]), std::abs(numbers[i + 1]), std::abs(numbers[i + 2])));
+    }
+  };
+  Film plain(1, 1);
+  fill(plain);
+  Film flushed(1, 1);
+  {
+    const FlushDenormals flush;
+    fill(flushed);
+  }
+  CHECK(plain.mean(0, 0) == flushed.mean(0, 0));
+  CHECK(plain.variance_of_mean(0, 0) == flushed.variance_of_mean(0, 0));
+}
+
+TEST_CASE("a film's mean and variance are those of its samples", "[unit][image]") {
+  Film film(3, 2);
+  CHECK(film.width() == 3);
+  CHECK(film.height() == 2);
+  for (const float grey : {1.0f, 2.0f, 6.0f}) film.add(2, 1, Rgb(grey));
+  CHECK(film.samples(2, 1) == 3);
+  CHECK(film.mean(2, 1) == Rgb(3.0f));
+  // Squared deviations 4 + 1 + 9, over n - 1 = 2, over n = 3.
+  CHECK(film.variance_of_mean(2, 1) == Approx(14.0 / 6.0).epsilon(1e-12));
+  CHECK(film.estimated_relmse() == Approx(14.0 / 6.0 / 9.01).epsilon(1e-12));
+  CHECK(film.samples(1, 1) == 0);
+  CHECK(film.mean(1, 1) == Rgb(0.0f));
+  CHECK(film.image().at(2, 1) == Rgb(3.0f));
+  CHECK(film.image().at(1, 1) == Rgb(0.0f));
+
+  Film coloured(1, 1);
+  coloured.add(0, 0, Rgb(1.0f, 0.0f, 0.0f));
+  coloured.add(0, 0, Rgb(0.0f, 0.0f, 1.0f));
+  CHECK(coloured.mean(0, 0) == Rgb(0.5f, 0.0f, 0.5f));
+  const double half_difference = (0.2126 - 0.0722) / 2.0;
+  CHECK(coloured.variance_of_mean(0, 0) == Approx(half_difference * half_difference).epsilon(1e-12));
+}
+
+TEST_CASE("equal samples have no variance worth the name", "[unit][image]") {
+  Film film(1, 1);
+  for (int i = 0; i < 1000; ++i) film.add(0, 0, Rgb(0.1f, 123.4f, 7.7f));
+  CHECK(film.variance_of_mean(0, 0) < 1e-12);
+}
+
+TEST_CASE("the estimated error of a film leaves out pixels that say nothing", "[unit][image]") {
+  Film film(2, 2);
+  CHECK(film.estimated_relmse() == kInfinity);
+  film.add(0, 0, Rgb(5.0f));
+  CHECK(film.variance_of_mean(0, 0) == 0.0);
+  CHECK(film.estimated_relmse() == kInfinity);
+  film.add(1, 0, Rgb(1.0f));
+  film.add(1, 0, Rgb(3.0f));
+  film.add(0, 1, Rgb(1.0f));
+  film.add(0, 1, Rgb(1.0f));
+  CHECK(film.estimated_relmse() == Approx(0.5 * (1.0 / 4.01)).epsilon(1e-12));
+}
+
+TEST_CASE("a skipped sample counts as black", "[unit][image]") {
+  Film film(1, 1);
+  film.add(0, 0, Rgb(3.0f));
+  film.skip(0, 0);
+  CHECK(film.samples(0, 0) == 2);
+  CHECK(film.mean(0, 0) == Rgb(1.5f));
+}
+
+TEST_CASE("films of parts of the samples add up to the film of all", "[unit][image]") {
+  std::mt19937 random(5);
+  std::lognormal_distribution<float> radiance(0.0f, 4.0f);
+  Film all(4, 3);
+  std::vector<Film> parts(3, Film(4, 3));
+  for (int i = 0; i < 2000; ++i) {
+    const int x = static_cast<int>(random() % 4);
+    const int y = static_cast<int>(random() % 3);
+    const Rgb sample(radiance(random), radiance(random), radiance(random));
+    all.add(x, y, sample);
+    parts[random() % 3].add(x, y, sample);
+  }
+  Film sum = parts[2];
+  sum.add(parts[0]);
+  sum.add(parts[1]);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      CHECK(sum.samples(x, y) == all.samples(x, y));
+      CHECK(sum.mean(x, y) == all.mean(x, y));
+      CHECK(sum.variance_of_mean(x, y) == all.variance_of_mean(x, y));
+    }
+  }
+  CHECK(sum.estimated_relmse() == all.estimated_relmse());
+  sum.clear();
+  CHECK(sum.samples(1, 1) == 0);
+  CHECK(sum.mean(1, 1) == Rgb(0.0f));
+}
