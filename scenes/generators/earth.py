@@ -71,7 +71,7 @@ def blur(field, radius):
 
 
 def noise(cells, octaves, xi):
-    """Value noise around 0, mostly within ±0.5, periodic in longitude, from `cells` cells around the equator upwards."""
+    """Value noise around 0, mostly within ±0.5, periodic in longitude, from `cells` cells around the equator up."""
     field = [[-1.0] * WIDTH for _ in range(HEIGHT)]
     amplitude = 1 / (1 - 0.5**octaves)
     for _ in range(octaves):
