@@ -142,7 +142,7 @@ TEST_CASE("a film's mean and variance are those of its samples", "[unit][image]"
   CHECK(film.samples(2, 1) == 3);
   CHECK(film.mean(2, 1) == Rgb(3.0f));
   // Squared deviations 4 + 1 + 9, over n - 1 = 2, over n = 3.
-  CHECK(film.variance_of_mean(2, 1) == Approx(14.0 / 6.0).epsilon(1e-12));
+  CHECK(film.variance_of_mean(2, 1).y == Approx(14.0 / 6.0).epsilon(1e-12));
   CHECK(film.estimated_relmse() == Approx(14.0 / 6.0 / 9.01).epsilon(1e-12));
   CHECK(film.samples(1, 1) == 0);
   CHECK(film.mean(1, 1) == Rgb(0.0f));
@@ -153,35 +153,26 @@ TEST_CASE("a film's mean and variance are those of its samples", "[unit][image]"
   coloured.add(0, 0, Rgb(1.0f, 0.0f, 0.0f));
   coloured.add(0, 0, Rgb(0.0f, 0.0f, 1.0f));
   CHECK(coloured.mean(0, 0) == Rgb(0.5f, 0.0f, 0.5f));
-  const double half_difference = (0.2126 - 0.0722) / 2.0;
-  CHECK(coloured.variance_of_mean(0, 0) == Approx(half_difference * half_difference).epsilon(1e-12));
+  CHECK(coloured.variance_of_mean(0, 0) == dvec3(0.25, 0.0, 0.25));
 }
 
 TEST_CASE("equal samples have no variance worth the name", "[unit][image]") {
   Film film(1, 1);
   for (int i = 0; i < 1000; ++i) film.add(0, 0, Rgb(0.1f, 123.4f, 7.7f));
-  CHECK(film.variance_of_mean(0, 0) < 1e-12);
+  CHECK(glm::all(glm::lessThan(film.variance_of_mean(0, 0), dvec3(1e-12))));
 }
 
 TEST_CASE("the estimated error of a film leaves out pixels that say nothing", "[unit][image]") {
   Film film(2, 2);
   CHECK(film.estimated_relmse() == kInfinity);
   film.add(0, 0, Rgb(5.0f));
-  CHECK(film.variance_of_mean(0, 0) == 0.0);
+  CHECK(film.variance_of_mean(0, 0) == dvec3(0.0));
   CHECK(film.estimated_relmse() == kInfinity);
   film.add(1, 0, Rgb(1.0f));
   film.add(1, 0, Rgb(3.0f));
   film.add(0, 1, Rgb(1.0f));
   film.add(0, 1, Rgb(1.0f));
   CHECK(film.estimated_relmse() == Approx(0.5 * (1.0 / 4.01)).epsilon(1e-12));
-}
-
-TEST_CASE("a skipped sample counts as black", "[unit][image]") {
-  Film film(1, 1);
-  film.add(0, 0, Rgb(3.0f));
-  film.skip(0, 0);
-  CHECK(film.samples(0, 0) == 2);
-  CHECK(film.mean(0, 0) == Rgb(1.5f));
 }
 
 TEST_CASE("films of parts of the samples add up to the film of all", "[unit][image]") {

@@ -81,7 +81,7 @@ std::vector<Layer> make_layers(const RenderCommand& command, const Scene& scene,
   if (wants(command, "variance")) {
     Image variance(film.width(), film.height());
     for (int y = 0; y < film.height(); ++y) {
-      for (int x = 0; x < film.width(); ++x) variance.at(x, y) = film.variance_of_mean(x, y);
+      for (int x = 0; x < film.width(); ++x) variance.at(x, y) = Rgb(film.variance_of_mean(x, y));
     }
     add_rgb(layers, "variance", "RGB", true, variance);
   }

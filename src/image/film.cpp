@@ -20,35 +20,31 @@ Film::Film(int width, int height)
 
 Rgb Film::mean(int x, int y) const {
   const std::size_t i = index(x, y);
-  if (samples_[i] == 0) return Rgb(0.0f);
-  const double n = samples_[i];
-  const ExactSum* sum = sums_[i].rgb;
-  return Rgb(static_cast<float>(sum[0].value() / n), static_cast<float>(sum[1].value() / n),
-             static_cast<float>(sum[2].value() / n));
+  return samples_[i] == 0 ? Rgb(0.0f) : Rgb(mean(i));
 }
 
-double Film::mean_luminance(std::size_t pixel) const {
+dvec3 Film::mean(std::size_t pixel) const {
   const ExactSum* sum = sums_[pixel].rgb;
-  return luminance_of(sum[0].value(), sum[1].value(), sum[2].value()) / samples_[pixel];
+  return dvec3(sum[0].value(), sum[1].value(), sum[2].value()) / static_cast<double>(samples_[pixel]);
 }
 
-double Film::variance_of_mean(std::size_t pixel) const {
-  if (samples_[pixel] < 2) return 0.0;
+dvec3 Film::variance_of_mean(std::size_t pixel) const {
+  if (samples_[pixel] < 2) return dvec3(0.0);
   const double n = samples_[pixel];
-  const double mean = mean_luminance(pixel);
-  const double squared_deviations = sums_[pixel].luminance_squared.value() - n * mean * mean;
-  return std::max(0.0, squared_deviations) / (n - 1.0) / n;
+  const dvec3 m = mean(pixel);
+  const ExactSum* squares = sums_[pixel].squares;
+  const dvec3 squared_deviations = dvec3(squares[0].value(), squares[1].value(), squares[2].value()) - n * m * m;
+  return glm::max(squared_deviations, dvec3(0.0)) / (n - 1.0) / n;
 }
-
-double Film::variance_of_mean(int x, int y) const { return variance_of_mean(index(x, y)); }
 
 double Film::estimated_relmse() const {
   double total = 0.0;
   std::size_t pixels = 0;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (samples_[i] < 2) continue;
-    const double mean = mean_luminance(i);
-    total += variance_of_mean(i) / (mean * mean + 0.01);
+    const dvec3 m = mean(i);
+    const dvec3 relative = variance_of_mean(i) / (m * m + 0.01);
+    total += (relative.x + relative.y + relative.z) / 3.0;
     ++pixels;
   }
   return pixels == 0 ? std::numeric_limits<double>::infinity() : total / static_cast<double>(pixels);
@@ -68,8 +64,10 @@ void Film::add(const Film& other, int x, int y) {
     for (int column = 0; column < other.width_; ++column) {
       const std::size_t from = other.index(column, row);
       const std::size_t to = index(x + column, y + row);
-      for (int c = 0; c < 3; ++c) sums_[to].rgb[c].add(other.sums_[from].rgb[c]);
-      sums_[to].luminance_squared.add(other.sums_[from].luminance_squared);
+      for (int c = 0; c < 3; ++c) {
+        sums_[to].rgb[c].add(other.sums_[from].rgb[c]);
+        sums_[to].squares[c].add(other.sums_[from].squares[c]);
+      }
       samples_[to] += other.samples_[from];
     }
   }

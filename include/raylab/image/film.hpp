@@ -37,12 +37,11 @@ class ExactSum {
   __int128 sum_ = 0;
 };
 
-/// What has been gathered for one pixel; a cache line, so that neighbours do not share one between threads.
-struct alignas(64) PixelSum {
+/// What has been gathered for one pixel.
+struct PixelSum {
   ExactSum rgb[3];
-  ExactSum luminance_squared;
+  ExactSum squares[3];
 };
-static_assert(sizeof(PixelSum) == 64);
 
 /// Sums of samples for each pixel of a width x height picture, of which a crop window is rendered.
 /// Different pixels may be written from different threads at the same time.
@@ -58,27 +57,25 @@ class Film {
   void add(int x, int y, const Rgb& radiance) {
     const std::size_t i = index(x, y);
     PixelSum& sum = sums_[i];
-    for (int c = 0; c < 3; ++c) sum.rgb[c].add(radiance[c]);
-    const double l = luminance_of(radiance.r, radiance.g, radiance.b);
-    sum.luminance_squared.add(l * l);
+    for (int c = 0; c < 3; ++c) {
+      // Squared in double: the variance of equal samples must not drown in the rounding of their squares.
+      const double value = radiance[c];
+      sum.rgb[c].add(value);
+      sum.squares[c].add(value * value);
+    }
     ++samples_[i];
   }
-
-  /// Counts a sample that was taken but is not used, as if it had been black: it raises the pixel's sample count
-  /// only, and with it lowers the mean.
-  void skip(int x, int y) { ++samples_[index(x, y)]; }
 
   std::uint32_t samples(int x, int y) const { return samples_[index(x, y)]; }
 
   /// Mean radiance of the pixel's samples; black where there are none.
   Rgb mean(int x, int y) const;
 
-  /// Estimated variance of mean luminance: sample variance / n. 0 with fewer than two samples.
-  /// With stratified samplers it overestimates; with luminances above 2^20, whose squares are clamped, it
-  /// underestimates.
-  double variance_of_mean(int x, int y) const;
+  /// Estimated variance of each channel of mean(): sample variance / n. 0 with fewer than two samples.
+  /// With stratified samplers it overestimates; with values above 2^20, whose squares are clamped, it underestimates.
+  dvec3 variance_of_mean(int x, int y) const { return variance_of_mean(index(x, y)); }
 
-  /// Mean of variance_of_mean / (luminance² + 0.01) over the pixels with two samples or more: estimate of the
+  /// Mean of variance / (mean² + 0.01) over channels and the pixels with two samples or more: estimate of the
   /// picture's relMSE. Infinity where no pixel has two samples, since then nothing is known.
   double estimated_relmse() const;
 
@@ -94,11 +91,8 @@ class Film {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
-  /// In double: the variance of equal samples must not drown in the rounding of their squares.
-  static double luminance_of(double r, double g, double b) { return 0.2126 * r + 0.7152 * g + 0.0722 * b; }
-
-  double mean_luminance(std::size_t pixel) const;
-  double variance_of_mean(std::size_t pixel) const;
+  dvec3 mean(std::size_t pixel) const;
+  dvec3 variance_of_mean(std::size_t pixel) const;
 
   int width_, height_;
   std::vector<PixelSum> sums_;
