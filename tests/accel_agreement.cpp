@@ -1,0 +1,147 @@
+// All accelerators against `list`, which tests every primitive.
+#include "catch.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/measure/agreement_cases.hpp"
+#include "raylab/measure/ray_sets.hpp"
+#include "raylab/measure/shapes.hpp"
+
+using namespace raylab;
+
+namespace {
+
+/// The book's intersector is no match for the judge's; its tree alone is tested here.
+AcceleratorOptions best_options(const std::string& name) {
+  AcceleratorOptions options;
+  if (name == "rtiow") options.intersector = Intersector::watertight;
+  return options;
+}
+
+Geometry mixed() {
+  return {{triangle_soup(300, 1.0f, 0.4f, 7), icosphere(vec3(0.0f), 0.5f, 2)}, sphere_soup(100, 1.0f, 0.2f, 7)};
+}
+
+}  // namespace
+
+TEST_CASE("every accelerator agrees with testing all primitives on 10,000 random rays a scene", "[agreement]") {
+  for (const AcceleratorEntry& entry : accelerators()) {
+    passes_agreement(entry.name, best_options(entry.name), 1, [&](const auto& scene, const auto& report) {
+      INFO(entry.name << " on " << scene.name << ": " << to_string(report));
+      CHECK(report.agrees());
+    });
+    CHECK(passes_agreement(entry.name, best_options(entry.name), 2, [](const auto&, const auto&) {}));
+  }
+}
+
+TEST_CASE("the book's and the fast triangle test meet the same well-scaled triangles as the watertight one",
+          "[agreement]") {
+  for (const char* name : {"list", "rtiow"}) {
+    for (const Intersector intersector : {Intersector::book, Intersector::fast}) {
+      passes_agreement(name, {intersector, 0}, 3, [&](const AgreementCase& scene, const AgreementReport& report) {
+        if (!scene.geometry.spheres.empty()) return;  // the book's spheres have a test of their own
+        INFO(name << " " << intersector_name(intersector) << " on " << scene.name << ": " << to_string(report));
+        // Not wrong_primitives: on slivers their t is off by more than the tolerance.
+        CHECK(report.false_misses.count == 0);
+        CHECK(report.false_hits.count == 0);
+        CHECK(report.occlusion.count == 0);
+      });
+    }
+  }
+}
+
+TEST_CASE("every accelerator agrees with testing all primitives on rays along the axes", "[agreement]") {
+  const Geometry geometry = mixed();
+  const auto judge = make_accelerator("list", geometry);
+  const std::vector<Ray> rays = axis_aligned_rays(geometry.bounds(), 10'000, 5);
+  for (const AcceleratorEntry& entry : accelerators()) {
+    const auto tested = entry.make(geometry, best_options(entry.name));
+    const AgreementReport report = compare_hits(*tested, *judge, geometry, rays);
+    INFO(entry.name << ": " << to_string(report));
+    CHECK(report.agrees());
+  }
+}
+
+TEST_CASE("every accelerator gives the same hits for directions of any length", "[agreement]") {
+  const Geometry geometry = mixed();
+  const auto judge = make_accelerator("list", geometry);
+  for (const AcceleratorEntry& entry : accelerators()) {
+    const auto tested = entry.make(geometry, best_options(entry.name));
+    for (const int k : {-110, -60, -40, -30, -10, 10, 30, 40, 60, 110}) {
+      std::vector<Ray> rays = random_rays(geometry.bounds(), 500, 11);
+      for (Ray& ray : rays) ray.direction *= std::ldexp(1.0f, k);
+      const AgreementReport report = compare_hits(*tested, *judge, geometry, rays);
+      INFO(entry.name << ", 2^" << k << ": " << to_string(report));
+      CHECK(report.hits > 100);
+      CHECK(report.agrees());
+    }
+  }
+}
+
+TEST_CASE("occluded says what intersect says at the ends of the interval, and t lies inside it", "[agreement]") {
+  const FlushDenormals flush;
+  const Geometry geometry = mixed();
+  for (const AcceleratorEntry& entry : accelerators()) {
+    for (const float length : {1.0f, 0x1p-50f, 0x1p50f}) {
+      const auto accelerator = entry.make(geometry, {});
+      for (Ray ray : random_rays(geometry.bounds(), 2000, 13)) {
+        ray.direction *= length;
+        const auto hit = accelerator->intersect(ray);
+        if (!hit) continue;
+        const float t = hit->t;
+        const float ends[] = {next_float_down(t), t, next_float_up(t)};
+        std::vector<Ray> ended = {{ray.origin, ray.direction, t, t}};
+        for (const float end : ends) ended.push_back({ray.origin, ray.direction, 0.0f, end});
+        for (const float end : ends) ended.push_back({ray.origin, ray.direction, end, kInfinity});
+        for (const float end : ends) ended.push_back({ray.origin, ray.direction, end, next_float_up(end)});
+        for (const Ray& r : ended) {
+          const auto found = accelerator->intersect(r);
+          INFO(entry.name << ": " << to_string(Disagreement{r, found, hit}));
+          REQUIRE(found.has_value() == accelerator->occluded(r));
+          if (found) REQUIRE((found->t > r.t_min && found->t < r.t_max));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the ends of the interval are open in every accelerator", "[unit]") {
+  const FlushDenormals flush;
+  // t = 2 without rounding, on a triangle and on a sphere.
+  const Geometry geometry{{TriangleMesh{{{-1, -1, 2}, {3, -1, 2}, {-1, 3, 2}}, {{0, 1, 2}}, {}, {}, {}, {}}},
+                          {{{10, 0, 3}, 1}}};
+  for (const AcceleratorEntry& entry : accelerators()) {
+    const auto accelerator = entry.make(geometry, {});
+    for (const float x : {0.0f, 10.0f}) {
+      INFO(entry.name << " at x = " << x);
+      // A few ulp apart, since Embree multiplies the ends by a determinant before it compares.
+      const auto ray = [&](float t_min, float t_max) { return Ray{{x, 0, 0}, {0, 0, 1}, t_min, t_max}; };
+      CHECK(accelerator->occluded(ray(0.0f, 2.000001f)));
+      CHECK_FALSE(accelerator->occluded(ray(0.0f, 1.999999f)));
+      CHECK_FALSE(accelerator->occluded(ray(0.0f, 2.0f)));
+      CHECK(accelerator->occluded(ray(1.999999f, 2.5f)));
+      CHECK_FALSE(accelerator->occluded(ray(2.0f, 2.5f)));
+      CHECK_FALSE(accelerator->occluded(ray(2.000001f, 2.5f)));
+      CHECK_FALSE(accelerator->occluded(ray(2.5f, 1.5f)));
+      CHECK_FALSE(accelerator->intersect(ray(2.5f, 1.5f)));
+    }
+  }
+}
+
+TEST_CASE("all threads asking at once get what one gets alone", "[agreement]") {
+  const Geometry geometry = mixed();
+  const std::vector<Ray> rays = random_rays(geometry.bounds(), 5000, 17);
+  for (const AcceleratorEntry& entry : accelerators()) {
+    const auto accelerator = entry.make(geometry, {});
+    std::vector<std::optional<Hit>> alone(rays.size());
+    {
+      const FlushDenormals flush;
+      for (std::size_t i = 0; i < rays.size(); ++i) alone[i] = accelerator->intersect(rays[i]);
+    }
+    std::vector<char> same(4 * rays.size());
+    parallel_for(same.size(), [&](std::size_t i) {
+      const std::size_t k = i % rays.size();
+      same[i] = accelerator->intersect(rays[k]) == alone[k] && accelerator->occluded(rays[k]) == alone[k].has_value();
+    });
+    INFO(entry.name);
+    CHECK(std::count(same.begin(), same.end(), 0) == 0);
+  }
+}
