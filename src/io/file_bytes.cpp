@@ -39,6 +39,11 @@ std::string read_file(const std::filesystem::path& file) {
   return bytes;
 }
 
+bool is_file(const std::filesystem::path& file) noexcept {
+  std::error_code no_access;
+  return std::filesystem::is_regular_file(file, no_access);
+}
+
 void ContentHash::add(const std::string& bytes) {
   add_bytes(bytes.data(), bytes.size());
   add_length(bytes.size());

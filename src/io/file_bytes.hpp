@@ -9,6 +9,9 @@ namespace raylab {
 /// The whole file. Throws Error (input) naming the file and the reason.
 std::string read_file(const std::filesystem::path& file);
 
+/// Whether there is a file, or a link to one, that is neither a folder nor a device.
+bool is_file(const std::filesystem::path& file) noexcept;
+
 /// FNV-1a, 64 bits (Fowler, Noll, Vo), over pieces of bytes, each followed by its length so that moving bytes
 /// from one piece to the next changes the hash.
 class ContentHash {

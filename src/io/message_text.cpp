@@ -29,7 +29,9 @@ std::string color_text(const Rgb& color) {
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 80;
   std::string result = "\"";
-  result += text.substr(0, longest);
+  for (const char c : text.substr(0, longest)) {
+    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;  // a message is one line
+  }
   return result += text.size() > longest ? "...\"" : "\"";
 }
 

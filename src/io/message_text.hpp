@@ -15,7 +15,7 @@ std::string number_text(double value);
 /// "(0.73, 0.73, 0.73)"
 std::string color_text(const Rgb& color);
 
-/// In double quotes; long texts are cut.
+/// In double quotes, on one line; long texts are cut.
 std::string in_quotes(std::string_view text);
 
 /// Least number of insertions, deletions and substitutions of characters that turn a into b (Levenshtein).

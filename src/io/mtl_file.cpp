@@ -39,8 +39,8 @@ std::optional<float> number_in(std::string_view word) {
 
 /// How many values the options of a texture map take: at most, for those with a variable number.
 int option_values(std::string_view option) {
-  constexpr std::string_view one[] = {"-blendu", "-blendv", "-boost", "-texres", "-clamp",
-                                      "-bm",     "-imfchan", "-type", "-cc"};
+  constexpr std::string_view one[] = {"-blendu", "-blendv",  "-boost", "-texres", "-clamp",
+                                      "-bm",     "-imfchan", "-type",  "-cc"};
   constexpr std::string_view up_to_three[] = {"-o", "-s", "-t"};
   if (std::find(std::begin(one), std::end(one), option) != std::end(one)) return 1;
   if (std::find(std::begin(up_to_three), std::end(up_to_three), option) != std::end(up_to_three)) return 3;
@@ -95,7 +95,8 @@ class MtlReader {
                                    [&](const MtlMaterial& material) { return material.name == name; });
     skipping_ = same != materials_.end();
     if (skipping_) {
-      warnings_.push_back(place() + ": material " + in_quotes(name) + " is left out: " + same->place + " has that name");
+      warnings_.push_back(place() + ": material " + in_quotes(name) + " is left out: " + same->place +
+                          " has that name");
       return;
     }
     materials_.emplace_back();
@@ -149,8 +150,8 @@ class MtlReader {
   std::optional<Rgb> color(const std::string& keyword, std::string_view rest) {
     const auto words = values_of(rest);
     if (!words.empty() && (words[0] == "spectral" || words[0] == "xyz")) {
-      warn_once(keyword + std::string(words[0]), in_quotes(keyword + " " + std::string(words[0])) +
-                                                     " is not understood and left out");
+      warn_once(keyword + std::string(words[0]),
+                in_quotes(keyword + " " + std::string(words[0])) + " is not understood and left out");
       return std::nullopt;
     }
     if (words.size() != 3 && words.size() != 1) fail(rest, "a colour r g b after " + keyword);

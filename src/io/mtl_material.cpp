@@ -1,7 +1,8 @@
-// What the statements of an MTL file mean: illum 3 is metal (Ks, fuzz = 1 - Ns / 1000), illum 6 a dielectric (Ni), and
-// all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place).
+// What the statements of an MTL file mean: illum 3 is metal (Ks, fuzz = 1 - Ns / 1000), illum 6 a dielectric (Ni),
+// and all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place).
 #include <algorithm>
 
+#include "file_bytes.hpp"
 #include "material_library.hpp"
 #include "message_text.hpp"
 
@@ -21,7 +22,7 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
 
 Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / source.map_kd;
-  if (!std::filesystem::is_regular_file(file)) {
+  if (!is_file(file)) {
     warnings.push_back(source.map_kd_place + ": texture " + in_quotes(source.map_kd) + " of material " +
                        in_quotes(source.name) + " is missing: magenta in its place");
     return Texture::solid_color(Rgb(1.0f, 0.0f, 1.0f));
@@ -56,7 +57,7 @@ Material MaterialLibrary::from_mtl(const MtlMaterial& source, const std::filesys
     material.color = mtl_color(source, source.ks, Rgb(1.0f));
     const float ns = source.ns.value_or(1000.0f);
     if (ns < 0.0f || ns > 1000.0f) warn("has Ns " + number_text(ns) + ", clamped to 0 ... 1000");
-    material.fuzz = 1.0f - std::clamp(ns, 0.0f, 1000.0f) / 1000.0f;
+    material.fuzz = static_cast<float>(1.0 - std::clamp(double{ns}, 0.0, 1000.0) / 1000.0);
   } else if (illum == 6) {
     material.kind = Material::Kind::dielectric;
     material.index = source.ni.value_or(material.index);

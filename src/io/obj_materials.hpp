@@ -12,8 +12,8 @@
 
 namespace raylab {
 
-/// Follows the mtllib and usemtl statements of one OBJ file. Names are looked up when the file has been read, so that
-/// mtllib may come after usemtl, and only those that faces use.
+/// Follows the mtllib and usemtl statements of one OBJ file. Names are looked up when the file has been read, so
+/// that mtllib may come after usemtl, and only those that faces use.
 class ObjMaterials {
  public:
   ObjMaterials(const std::filesystem::path& file, const ObjOptions& options);
@@ -30,7 +30,7 @@ class ObjMaterials {
 
  private:
   struct Use {
-    std::string name;   // empty before the first usemtl
+    std::string name;  // empty before the first usemtl
     std::string place;
   };
   void open_libraries(std::string_view names, const std::string& place, MaterialLibrary& library);
@@ -40,11 +40,11 @@ class ObjMaterials {
   bool ignored_;
   std::vector<std::filesystem::path> mtl_files_;
   Use current_;
-  bool changed_ = true;                         // usemtl since the last triangle
-  std::uint16_t current_use_ = 0;               // index into uses_
-  std::vector<Use> uses_;                       // distinct names in order of use by faces
+  bool changed_ = true;                          // usemtl since the last triangle
+  std::uint16_t current_use_ = 0;                // index into uses_
+  std::vector<Use> uses_;                        // distinct names in order of use by faces
   std::map<std::string, std::uint16_t> use_of_;  // by name
-  std::vector<std::uint16_t> per_triangle_;     // index into uses_; empty while there is one
+  std::vector<std::uint16_t> per_triangle_;      // index into uses_; empty while there is one
 };
 
 }  // namespace raylab

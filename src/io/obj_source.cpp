@@ -32,7 +32,8 @@ std::size_t skip_sign(std::string_view word, std::size_t at) {
   return at < word.size() && (word[at] == '+' || word[at] == '-') ? at + 1 : at;
 }
 
-/// [sign] digits with at most one point, [e [sign] digits]. Four digits of exponent are enough for any finite number.
+/// [sign] digits with at most one point, [e [sign] digits]. Four digits of exponent are enough for any finite
+/// number.
 bool is_number(std::string_view word) {
   const std::size_t whole = skip_sign(word, 0);
   std::size_t at = skip_digits(word, whole);
@@ -135,7 +136,7 @@ void ObjSource::check_numbers(std::string_view rest, int least) const {
   if (count < least) fail(std::to_string(least) + (least == 1 ? " number" : " numbers"));
 }
 
-void ObjSource::check_corners(std::string_view rest) const {
+void ObjSource::check_corners(std::string_view rest) {
   for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
     std::size_t at = index_length(word, 0);
     bool good = at > 0;
@@ -150,6 +151,11 @@ void ObjSource::check_corners(std::string_view rest) const {
     }
     if (!good || at != word.size()) {
       fail(word, "a corner v, v/vt, v//vn or v/vt/vn with indices from 1 up, or from -1 down");
+    }
+    // After a last slash tinyobjloader would take the next corner's index for the one left out here.
+    for (auto last = static_cast<std::size_t>(word.data() - text_.data()) + word.size() - 1; text_[last] == '/';
+         --last) {
+      text_[last] = ' ';
     }
   }
 }

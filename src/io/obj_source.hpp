@@ -40,7 +40,7 @@ class ObjSource : public std::streambuf {
   std::size_t line_end(std::size_t from);
   bool next_statement();
   void check_numbers(std::string_view rest, int least) const;
-  void check_corners(std::string_view rest) const;
+  void check_corners(std::string_view rest);
 
   std::string text_;
   std::string file_;

@@ -45,13 +45,14 @@ TomlValue value_of(const std::string& text, const std::string& place) {
   return bare_word;
 }
 
-TomlValue& array_item(TomlValue& array, const std::string& part, const std::string& path, const std::string& place) {
+TomlValue& array_item(TomlValue& array, const std::string& part, const std::string& path,
+                      const std::string& place) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
   if (error != std::errc() || end != part.data() + part.size() || index >= array.items.size()) {
-    const std::string expected = array.items.empty() ? "but it is empty"
-                                                     : "expected an index from 0 to " +
-                                                           std::to_string(array.items.size() - 1);
+    const std::string expected = array.items.empty()
+                                     ? "but it is empty"
+                                     : "expected an index from 0 to " + std::to_string(array.items.size() - 1);
     usage(place, path + ": found " + in_quotes(part) + ", " + expected);
   }
   return array.items[index];

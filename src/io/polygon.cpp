@@ -42,8 +42,8 @@ std::vector<Point> projected(std::span<const vec3> corners) {
 }
 
 /// Whether the corner `at` of the remaining polygon can be cut off: it turns left and no other corner lies in the
-/// triangle, its sides included. Corners in the same place as the triangle's own do not count: polygons with a hole
-/// pass the bridge to it twice. Only corners that do not turn left can lie in an ear (`may_block`).
+/// triangle, its sides included. Corners in the same place as the triangle's own do not count: polygons with a
+/// hole pass the bridge to it twice. Only corners that do not turn left can lie in an ear (`may_block`).
 bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& rest, std::size_t at,
             const std::vector<bool>& may_block) {
   const std::size_t count = rest.size();

@@ -1,6 +1,7 @@
 // [material.NAME].
 #include <algorithm>
 
+#include "file_bytes.hpp"
 #include "message_text.hpp"
 #include "scene_sections.hpp"
 #include "toml_reader.hpp"
@@ -11,7 +12,8 @@ namespace {
 /// Reads a colour key: three numbers, { image = "..." } or { checker = SIZE, even = [..], odd = [..] }.
 class ColorReader {
  public:
-  ColorReader(const std::filesystem::path& folder, TextureFiles& textures) : folder_(folder), textures_(textures) {}
+  ColorReader(const std::filesystem::path& folder, TextureFiles& textures)
+      : folder_(folder), textures_(textures) {}
 
   Texture read(const TomlValue& value, const std::string& path, const Numbers& range) const {
     if (value.is_array()) return Texture::solid_color(vec3_of(value, path, range));
@@ -41,7 +43,7 @@ class ColorReader {
   Texture picture(const TomlValue& value, const std::string& path, const Numbers& range) const {
     const std::string& name = string_of(value, path + ".image");
     const std::filesystem::path file = folder_ / name;
-    if (!std::filesystem::is_regular_file(file)) value.fail(path + ".image", "an existing file");
+    if (!is_file(file)) value.fail(path + ".image", "an existing file");
     Texture texture;
     texture.kind = Texture::Kind::image;
     texture.image = textures_.load(file, name);
@@ -74,13 +76,19 @@ Material read_material(const TomlValue& table, const ColorReader& colors) {
         value == nullptr ? Texture::solid_color(otherwise) : colors.read(*value, reader.path_of(key), range);
   };
   switch (material.kind) {
-    case Material::Kind::lambertian: color("albedo", kUnitInterval, Rgb(0.5f)); break;
+    case Material::Kind::lambertian:
+      color("albedo", kUnitInterval, Rgb(0.5f));
+      break;
     case Material::Kind::metal:
       color("albedo", kUnitInterval, Rgb(1.0f));
       reader.number("fuzz", material.fuzz, kUnitInterval);
       break;
-    case Material::Kind::dielectric: reader.number("index", material.index, kPositive); break;
-    case Material::Kind::diffuse_light: color("radiance", kNotNegative, Rgb(1.0f)); break;
+    case Material::Kind::dielectric:
+      reader.number("index", material.index, kPositive);
+      break;
+    case Material::Kind::diffuse_light:
+      color("radiance", kNotNegative, Rgb(1.0f));
+      break;
   }
   reader.finish();
   return material;

@@ -1,6 +1,7 @@
 // [[sphere]] and [[mesh]].
 #include <cmath>
 
+#include "file_bytes.hpp"
 #include "obj_reader.hpp"
 #include "scene_sections.hpp"
 #include "toml_reader.hpp"
@@ -84,9 +85,10 @@ std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMater
   return entries;
 }
 
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene) {
+void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library,
+               Scene& scene) {
   const std::filesystem::path file = folder / entry.name;
-  if (!std::filesystem::is_regular_file(file)) {
+  if (!is_file(file)) {
     entry.table->find("obj")->fail("mesh.obj", "an existing file");
   }
   MeshWithMaterials read = read_obj_into(library, file, {.ignore_materials = entry.material.has_value()});

@@ -49,15 +49,16 @@ void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, 
 /// A [[mesh]] as the scene file gives it.
 struct MeshEntry {
   const TomlValue* table;
-  std::string name;                        ///< the OBJ file as written
-  std::optional<std::uint32_t> material;   ///< absent: materials from the MTL files
-  float scale = 1.0f;                      ///< first, then the rotation, then the translation
-  float rotate_y = 0.0f;                   ///< degrees, anticlockwise seen from +y
+  std::string name;                       ///< the OBJ file as written
+  std::optional<std::uint32_t> material;  ///< absent: materials from the MTL files
+  float scale = 1.0f;                     ///< first, then the rotation, then the translation
+  float rotate_y = 0.0f;                  ///< degrees, anticlockwise seen from +y
   vec3 translate = vec3(0.0f);
 };
 std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMaterials& materials);
 
 /// Reads the OBJ file of an entry, moves it into place and appends it to the scene.
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene);
+void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library,
+               Scene& scene);
 
 }  // namespace raylab

@@ -1,4 +1,5 @@
 // [camera], [render] and [background].
+#include "file_bytes.hpp"
 #include "scene_sections.hpp"
 #include "texture_files.hpp"
 #include "toml_reader.hpp"
@@ -6,8 +7,10 @@
 namespace raylab {
 namespace {
 
-constexpr Numbers kFieldOfView = {"a number of degrees in (0, 180)", [](float x) { return x > 0.0f && x < 180.0f; }};
-constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)", [](float x) { return x >= 0.0f && x < 180.0f; }};
+constexpr Numbers kFieldOfView = {"a number of degrees in (0, 180)",
+                                  [](float x) { return x > 0.0f && x < 180.0f; }};
+constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)",
+                                [](float x) { return x >= 0.0f && x < 180.0f; }};
 
 /// Throws at the first of the keys that the table has, or at the table.
 [[noreturn]] void fail_at(const TomlValue& table, std::initializer_list<const char*> keys,
@@ -93,7 +96,7 @@ Environment read_background(const TomlValue* table, const std::filesystem::path&
     const std::string& name = string_of(*image, "background.image");
     const std::filesystem::path file = folder / name;
     if (!is_exr(file)) image->fail("background.image", "the name of an EXR file");
-    if (!std::filesystem::is_regular_file(file)) image->fail("background.image", "an existing file");
+    if (!is_file(file)) image->fail("background.image", "an existing file");
     environment.kind = Environment::Kind::image;
     environment.picture = read_texture(file, name);
     files.push_back(file);

@@ -68,7 +68,8 @@ void check_albedo(const TextureImage& image, const std::string& place) {
   for (const Rgb& texel : image.texels) {
     if (max_component(texel) <= 1.0f) continue;
     throw Error(ErrorKind::input, place,
-                "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) + ", expected values in [0, 1]");
+                "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) +
+                    ", expected values in [0, 1]");
   }
 }
 

@@ -31,8 +31,8 @@ class TextureFiles {
 /// Reads one picture as load() does, for a background.
 TextureImage read_texture(const std::filesystem::path& file, const std::string& name);
 
-/// Throws Error (input) at `place` when the picture, as an EXR may, has values above 1: as an albedo it would make light
-/// out of nothing.
+/// Throws Error (input) at `place` when the picture, as an EXR may, has values above 1: as an albedo it would make
+/// light out of nothing.
 void check_albedo(const TextureImage& image, const std::string& place);
 
 /// Whether a file's name ends in .exr, in any case.

@@ -1,8 +1,9 @@
 #include "toml_value.hpp"
 
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <sstream>
-#include <toml++/toml.h>
 #include <tuple>
 
 #include "message_text.hpp"
@@ -82,13 +83,20 @@ std::vector<std::string> TomlValue::keys() const {
 
 std::string TomlValue::found() const {
   switch (kind) {
-    case Kind::boolean: return boolean ? "true" : "false";
-    case Kind::integer: return std::to_string(integer);
-    case Kind::real: return number_text(real);
-    case Kind::string: return in_quotes(text);
-    case Kind::date: return text;
-    case Kind::table: return "a table";
-    case Kind::array: break;
+    case Kind::boolean:
+      return boolean ? "true" : "false";
+    case Kind::integer:
+      return std::to_string(integer);
+    case Kind::real:
+      return number_text(real);
+    case Kind::string:
+      return in_quotes(text);
+    case Kind::date:
+      return text;
+    case Kind::table:
+      return "a table";
+    case Kind::array:
+      break;
   }
   constexpr std::size_t most_shown = 8;
   std::string list;

@@ -17,10 +17,11 @@ struct LoadOptions {
 /// A scene and what loading it had to say.
 struct LoadedScene {
   Scene scene;
-  std::vector<std::string> warnings;  ///< "file:line: message": textures missing, faces left out, keys not understood
-  std::vector<std::string> notes;     ///< how each material was understood, one line each
-  std::uint64_t hash = 0;             ///< of the scene file's bytes, overrides, and all files it names
-  std::size_t dropped_bytes = 0;      ///< freed by drop_unneeded
+  std::vector<std::string>
+      warnings;                    ///< "file:line: message": textures missing, faces left out, keys not understood
+  std::vector<std::string> notes;  ///< how each material was understood, one line each
+  std::uint64_t hash = 0;          ///< of the scene file's bytes, overrides, and all files it names
+  std::size_t dropped_bytes = 0;   ///< freed by drop_unneeded
 };
 
 /// Reads a scene file (TOML; see README) and all files it names, paths being relative to the scene file.
