@@ -32,12 +32,17 @@ inline void place_on_triangle(const Triangle& t, float u, float v, SurfacePoint&
   const vec3 a = vec3(e1.y * e2.z, e1.z * e2.x, e1.x * e2.y);
   const vec3 b = vec3(e1.z * e2.y, e1.x * e2.z, e1.y * e2.x);
   const vec3 n = a - b;
-  const float inv_length = 1.0f / std::sqrt(glm::dot(n, n));
+  const float length2 = glm::dot(n, n);
+  float inv_length = 1.0f / std::sqrt(length2);
+  // The square of a small needle's product, or of a huge triangle's, leaves the range of float.
+  if (!(length2 > 0x1p-100f && length2 < 0x1p120f)) [[unlikely]] {
+    inv_length = static_cast<float>(1.0 / glm::length(dvec3(n)));
+  }
   point.ng = n * inv_length;
   const vec3 extent = glm::abs(e1) + glm::abs(e2);
   const vec3 coordinates = glm::abs(t.p0) + glm::abs(t.p1) + glm::abs(t.p2);
   point.offset = gamma_bound(8) * (glm::dot(glm::abs(point.ng), coordinates) +
-                                   glm::dot(extent, glm::abs(a) + glm::abs(b)) * inv_length) +
+                                   glm::dot(extent, (glm::abs(a) + glm::abs(b)) * inv_length)) +
                  0x1p-40f * (extent.x + extent.y + extent.z);
 }
 
