@@ -139,7 +139,8 @@ TEST_CASE("all threads asking at once get what one gets alone", "[agreement]") {
     std::vector<char> same(4 * rays.size());
     parallel_for(same.size(), [&](std::size_t i) {
       const std::size_t k = i % rays.size();
-      same[i] = accelerator->intersect(rays[k]) == alone[k] && accelerator->occluded(rays[k]) == alone[k].has_value();
+      same[i] =
+          accelerator->intersect(rays[k]) == alone[k] && accelerator->occluded(rays[k]) == alone[k].has_value();
     });
     INFO(entry.name);
     CHECK(std::count(same.begin(), same.end(), 0) == 0);

@@ -31,8 +31,9 @@ TEST_CASE("list leaks nothing at the vertices and edges of a closed mesh, where 
     vec3 center;
     float radius;
   };
-  const Ball balls[] = {{vec3(0.0f), 2.0f},    {vec3(148376, 1234, -223423), 2.0f}, {vec3(0.0f), 1e-3f},
-                        {vec3(0.0f), 1e-6f},   {vec3(0.0f), 1e-18f},                {vec3(0.0f), 1e10f},
+  const Ball balls[] = {{vec3(0.0f), 2.0f},   {vec3(148376, 1234, -223423), 2.0f},
+                        {vec3(0.0f), 1e-3f},  {vec3(0.0f), 1e-6f},
+                        {vec3(0.0f), 1e-18f}, {vec3(0.0f), 1e10f},
                         {vec3(0.0f), 1e17f}};
   for (const Ball& ball : balls) {
     const Geometry geometry{{icosphere(ball.center, ball.radius, 2)}, {}};
@@ -73,8 +74,12 @@ TEST_CASE("a ray in the plane of a box's face meets the box, where the book's sl
 TEST_CASE("a flat floor is met at exactly its height, where the book's absolute padding vanishes", "[stability]") {
   bool lost_by_rtiow = false;
   for (const float height : {1.0f, 1023.0f, 1025.0f, 2000.0f, 1e5f}) {
-    const TriangleMesh floor{
-        {{-2, -height, -2}, {2, -height, -2}, {2, -height, 2}, {-2, -height, 2}}, {{0, 1, 2}, {0, 2, 3}}, {}, {}, {}, {}};
+    const TriangleMesh floor{{{-2, -height, -2}, {2, -height, -2}, {2, -height, 2}, {-2, -height, 2}},
+                             {{0, 1, 2}, {0, 2, 3}},
+                             {},
+                             {},
+                             {},
+                             {}};
     const Geometry geometry{{floor}, {}};
     const Ray ray{{0.5f, 0, 0.25f}, {0, -1, 0}};
     for (const AcceleratorEntry& entry : accelerators()) {
@@ -97,7 +102,8 @@ TEST_CASE("tiny spheres and spheres far out are found as without a tree", "[stab
     const auto judge = make_accelerator("list", geometry);
     const std::vector<Ray> rays = random_rays(geometry.bounds(), 2000, 4);
     for (const char* name : {"rtiow", "embree", "embree-robust"}) {
-      const auto tested = make_accelerator(name, geometry, name == std::string("rtiow") ? kWatertight : AcceleratorOptions{});
+      const auto tested =
+          make_accelerator(name, geometry, name == std::string("rtiow") ? kWatertight : AcceleratorOptions{});
       const AgreementReport report = compare_hits(*tested, *judge, geometry, rays);
       INFO(name << ", radius " << radius << ": " << to_string(report));
       CHECK(report.agrees());
@@ -114,7 +120,8 @@ TEST_CASE("tiny spheres and spheres far out are found as without a tree", "[stab
   }
 }
 
-TEST_CASE("centroids at powers of two make a deep tree that closest and any hit get through alike", "[stability]") {
+TEST_CASE("centroids at powers of two make a deep tree that closest and any hit get through alike",
+          "[stability]") {
   // No further than 2^-35: Embree multiplies three lengths, and below 1e-12 the product is flushed to zero.
   constexpr int kLinks = 36;
   const vec3 corners[] = {{0.9f, -0.1f, 0}, {1.1f, -0.1f, 0}, {1, 0.1f, 0.05f}};
@@ -142,11 +149,13 @@ TEST_CASE("centroids at powers of two make a deep tree that closest and any hit 
   }
 }
 
-TEST_CASE("one vertex in ten NaN, infinite or too large: the others are met, the bad ones counted", "[stability]") {
+TEST_CASE("one vertex in ten NaN, infinite or too large: the others are met, the bad ones counted",
+          "[stability]") {
   const TriangleMesh good = triangle_soup(400, 1.0f, 0.4f, 9);
   TriangleMesh spoilt = good;
   const float bad[] = {std::nanf(""), kInfinity, -kInfinity, 3e18f};
-  for (std::size_t i = 0; i < 400; i += 10) spoilt.positions[3 * i + i / 10 % 3][static_cast<int>(i) % 3] = bad[i / 10 % 4];
+  for (std::size_t i = 0; i < 400; i += 10)
+    spoilt.positions[3 * i + i / 10 % 3][static_cast<int>(i) % 3] = bad[i / 10 % 4];
   TriangleMesh kept = good;
   kept.triangles.clear();
   for (std::uint32_t i = 0; i < 400; ++i) {

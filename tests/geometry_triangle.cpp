@@ -16,7 +16,9 @@ std::optional<TriangleHit> hit(const Ray& ray, const Triangle& triangle) {
   return PrimitiveTest<kind>(ray).triangle(triangle, ray.t_min, ray.t_max);
 }
 
-std::optional<TriangleHit> watertight(const Ray& ray, const Triangle& t) { return hit<Intersector::watertight>(ray, t); }
+std::optional<TriangleHit> watertight(const Ray& ray, const Triangle& t) {
+  return hit<Intersector::watertight>(ray, t);
+}
 std::optional<TriangleHit> book(const Ray& ray, const Triangle& t) { return hit<Intersector::book>(ray, t); }
 
 /// Right-angled at the origin, with legs of length s along x and y.
@@ -30,7 +32,8 @@ TEST_CASE("every triangle test finds t, u and v of a plain hit", "[unit]") {
   const float v = 0.5f;
   const vec3 point = (1 - u - v) * triangle.p0 + u * triangle.p1 + v * triangle.p2;
   const Ray ray{{0, 0, 0}, point / 4.0f};
-  for (const auto& found : {book(ray, triangle), hit<Intersector::fast>(ray, triangle), watertight(ray, triangle)}) {
+  for (const auto& found :
+       {book(ray, triangle), hit<Intersector::fast>(ray, triangle), watertight(ray, triangle)}) {
     REQUIRE(found);
     CHECK(found->t == Approx(4.0f).epsilon(4 * kUlp));
     CHECK(found->u == Approx(u).margin(4 * kUlp));
@@ -116,7 +119,8 @@ TEST_CASE("direction components too small to matter count as zero", "[stability]
   }
 }
 
-TEST_CASE("a ray through a shared edge or vertex hits at least one of the triangles that meet there", "[stability]") {
+TEST_CASE("a ray through a shared edge or vertex hits at least one of the triangles that meet there",
+          "[stability]") {
   const FlushDenormals flush;
   // A fan of four triangles around a centre, in a slanted plane; 1e-19: areas are no floats any more.
   for (const float scale : {1.0f, 1e-6f, 1e-12f, 1e-19f, 1e12f}) {
@@ -126,7 +130,8 @@ TEST_CASE("a ray through a shared edge or vertex hits at least one of the triang
     std::size_t misses_of_book = 0;
     for (int i = 0; i < 4000; ++i) {
       const vec3 toward = center + static_cast<float>(i % 100) / 128.0f * (rim[i / 1000] - center);
-      const vec3 origin = scale * vec3(0.003f * static_cast<float>(i % 17), 0.002f * static_cast<float>(i % 23), -1);
+      const vec3 origin =
+          scale * vec3(0.003f * static_cast<float>(i % 17), 0.002f * static_cast<float>(i % 23), -1);
       const Ray ray{origin, toward - origin};
       int hits = 0, hits_of_book = 0;
       for (int k = 0; k < 4; ++k) {
@@ -158,7 +163,8 @@ TEST_CASE("a long thin triangle nearly along the ray is not hit outside its box"
 
 TEST_CASE("degenerate triangles are never hit", "[unit]") {
   const vec3 p(0.5f, 0.25f, 3.0f);
-  for (const Triangle& t : {Triangle{p, p, p}, Triangle{p, p, {1, 1, 3}}, Triangle{p, p + vec3(1, 0, 0), p + vec3(2, 0, 0)}}) {
+  for (const Triangle& t :
+       {Triangle{p, p, p}, Triangle{p, p, {1, 1, 3}}, Triangle{p, p + vec3(1, 0, 0), p + vec3(2, 0, 0)}}) {
     CHECK_FALSE(watertight({vec3(0.0f), p}, t));
     CHECK_FALSE(watertight({p - vec3(0, 0, 1), {0, 0, 1}}, t));
   }

@@ -14,7 +14,9 @@ class Liar final : public Accelerator {
   using Lie = std::function<std::optional<Hit>(const Ray&, std::optional<Hit>)>;
   Liar(const Accelerator& honest, Lie lie, bool occluded_always = false)
       : honest_(honest), lie_(std::move(lie)), occluded_always_(occluded_always) {}
-  std::optional<Hit> intersect(const Ray& ray) const noexcept override { return lie_(ray, honest_.intersect(ray)); }
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+    return lie_(ray, honest_.intersect(ray));
+  }
   bool occluded(const Ray& ray) const noexcept override { return occluded_always_ || intersect(ray).has_value(); }
   const BuildReport& build_report() const noexcept override { return honest_.build_report(); }
 

@@ -91,7 +91,9 @@ void compare(const Accelerator& tested, const Accelerator& judge, const Geometry
     }
     if (error <= t_tolerance(ray, geometry, *d.judged)) return;
   }
-  const Hit& nearer = both ? (d.tested->t < d.judged->t ? *d.tested : *d.judged) : d.tested ? *d.tested : *d.judged;
+  const Hit& nearer = both       ? (d.tested->t < d.judged->t ? *d.tested : *d.judged)
+                      : d.tested ? *d.tested
+                                 : *d.judged;
   if (is_doubtful(ray, geometry, nearer)) {
     report.undecided += 1;
   } else {

@@ -17,12 +17,24 @@ TriangleMesh spoilt(TriangleMesh mesh) {
     uvec3& corners = mesh.triangles[i];
     vec3& p = mesh.positions[corners.x];
     switch (i / 10 % 6) {
-      case 0: p.x = std::nanf(""); break;
-      case 1: p.y = kInfinity; break;
-      case 2: p.z = -3e18f; break;
-      case 3: corners.y = static_cast<std::uint32_t>(mesh.positions.size()); break;
-      case 4: corners.z = corners.x; break;
-      case 5: corners = uvec3(corners.x); break;
+      case 0:
+        p.x = std::nanf("");
+        break;
+      case 1:
+        p.y = kInfinity;
+        break;
+      case 2:
+        p.z = -3e18f;
+        break;
+      case 3:
+        corners.y = static_cast<std::uint32_t>(mesh.positions.size());
+        break;
+      case 4:
+        corners.z = corners.x;
+        break;
+      case 5:
+        corners = uvec3(corners.x);
+        break;
     }
   }
   return mesh;
@@ -59,7 +71,8 @@ std::vector<AgreementCase> agreement_cases(std::uint64_t seed) {
   spheres[3].center.y = std::nanf("");
   spheres[4].radius = kInfinity;
   add("with invalid and degenerate primitives", {{soup, spoilt(soup)}, spheres});
-  add("invalid primitives alone", {{TriangleMesh{{{0, 0, 0}}, {{0, 1, 2}}, {}, {}, {}, {}}}, {{vec3(0.0f), -1.0f}}});
+  add("invalid primitives alone",
+      {{TriangleMesh{{{0, 0, 0}}, {{0, 1, 2}}, {}, {}, {}, {}}}, {{vec3(0.0f), -1.0f}}});
   return cases;
 }
 

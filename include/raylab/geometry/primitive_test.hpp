@@ -23,8 +23,7 @@ class PrimitiveTest {
 
   /// The hit on the primitive with t_min < t < t_max, or nothing; the interval of the ray itself is ignored.
   /// The primitive must be valid (see is_valid_triangle, is_valid_sphere).
-  std::optional<Hit> operator()(const Geometry& geometry, const PrimitiveId& id, float t_min,
-                                float t_max) const {
+  std::optional<Hit> operator()(const Geometry& geometry, const PrimitiveId& id, float t_min, float t_max) const {
     if (geometry.is_sphere(id.geometry)) {
       const auto t = sphere(geometry.spheres[id.primitive], t_min, t_max);
       if (!t) return std::nullopt;

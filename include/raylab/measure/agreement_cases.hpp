@@ -16,8 +16,8 @@ struct AgreementCase {
   std::vector<Ray> rays;
 };
 
-/// Well-scaled scenes with 10,000 random rays each: triangles, a closed mesh, spheres, both together, copies of one
-/// triangle, one primitive, none; and some with degenerate and invalid primitives among the good ones.
+/// Well-scaled scenes with 10,000 random rays each: triangles, a closed mesh, spheres, both together, copies of
+/// one triangle, one primitive, none; and some with degenerate and invalid primitives among the good ones.
 std::vector<AgreementCase> agreement_cases(std::uint64_t seed);
 
 /// Compares the accelerator of that name with `list` (watertight) on all cases, telling each result.
