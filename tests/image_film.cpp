@@ -202,3 +202,17 @@ TEST_CASE("films of parts of the samples add up to the film of all", "[unit][ima
   CHECK(sum.samples(1, 1) == 0);
   CHECK(sum.mean(1, 1) == Rgb(0.0f));
 }
+
+TEST_CASE("a film of a window is added at its place in a larger one", "[unit][image]") {
+  Film window(2, 1);
+  window.add(0, 0, Rgb(1.0f));
+  window.add(1, 0, Rgb(2.0f));
+  Film film(4, 3);
+  film.add(3, 2, Rgb(6.0f));
+  film.add(window, 2, 2);
+  CHECK(film.mean(2, 2) == Rgb(1.0f));
+  CHECK(film.mean(3, 2) == Rgb(4.0f));
+  CHECK(film.samples(3, 2) == 2);
+  CHECK(film.samples(0, 0) == 0);
+  CHECK(film.samples(1, 2) == 0);
+}

@@ -44,7 +44,7 @@ inline std::optional<TriangleHit> intersect_moeller_trumbore(const Ray& ray, con
 /// What the watertight test needs of a ray: the axis permutation and the shear that turn its direction into
 /// +z. Made once a ray.
 struct WatertightRay {
-  explicit WatertightRay(const Ray& ray) : origin(ray.origin) {
+  explicit WatertightRay(const Ray& ray) : origin(ray.origin), direction(ray.direction) {
     const vec3 a = glm::abs(ray.direction);
     kz = a.x > a.y ? (a.x > a.z ? 0 : 2) : (a.y > a.z ? 1 : 2);
     kx = kz == 2 ? 0 : kz + 1;
@@ -64,6 +64,7 @@ struct WatertightRay {
   }
 
   vec3 origin;
+  vec3 direction;
   int kx, ky, kz;
   float shear_x, shear_y;  ///< at most 1 in size
   float direction_z;
@@ -71,31 +72,61 @@ struct WatertightRay {
 
 namespace detail {
 
+/// Distance to the plane of the triangle, in double from the vertices as they are, kept within the distances of
+/// the vertices. `otherwise` where the ray runs along the plane.
+[[gnu::noinline, gnu::cold]] inline float watertight_plane_distance(const WatertightRay& ray, const Triangle& tri,
+                                                                    float otherwise) {
+  const dvec3 origin(ray.origin);
+  const dvec3 p0 = dvec3(tri.p0) - origin;
+  const dvec3 p1 = dvec3(tri.p1) - origin;
+  const dvec3 p2 = dvec3(tri.p2) - origin;
+  const dvec3 n = glm::cross(p1 - p0, p2 - p0);
+  const double facing = glm::dot(dvec3(ray.direction), n);
+  if (facing == 0.0) return otherwise;
+  const int k = ray.kz;
+  const double z = static_cast<double>(ray.direction_z);
+  const double t0 = p0[k] / z, t1 = p1[k] / z, t2 = p2[k] / z;
+  return static_cast<float>(std::clamp(glm::dot(p0, n) / facing, std::min({t0, t1, t2}), std::max({t0, t1, t2})));
+}
+
 /// The hit whose edge functions (twice the signed areas opposite a, b, c) are u, v, w of one sign, det their
 /// sum. Interpolates from a: the error of z is then small where the triangle is.
 template <class Real>
-std::optional<TriangleHit> watertight_hit(float direction_z, const vec3& a, const vec3& b, const vec3& c, Real v,
-                                          Real w, Real det, float t_min, float t_max) {
+std::optional<TriangleHit> watertight_hit(const WatertightRay& ray, const Triangle& tri, const vec3& a,
+                                          const vec3& b, const vec3& c, Real v, Real w, Real det, float t_min,
+                                          float t_max) {
   const Real inv_det = Real(1) / det;
   const Real beta = v * inv_det;
   const Real gamma = w * inv_det;
   const Real z = Real(a.z) + beta * (Real(b.z) - Real(a.z)) + gamma * (Real(c.z) - Real(a.z));
-  const auto t = static_cast<float>(z / Real(direction_z));
+  auto t = static_cast<float>(z / Real(ray.direction_z));
+  // The edge functions err by roundings of products of x and y, so z errs by roundings of
+  // max|z| max|x, y|² / det. Where z is no larger than that, its sign is noise, and a ray that starts just off the
+  // triangle, as every scattered one does, could hit it again.
+  const float z_size = std::max({std::abs(a.z), std::abs(b.z), std::abs(c.z)});
+  const float xy_size =
+      std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y), std::abs(c.x), std::abs(c.y)});
+  if (std::abs(z) * std::abs(det) <= Real(0x1p-19f * z_size) * xy_size * xy_size) [[unlikely]] {
+    t = watertight_plane_distance(ray, tri, t);
+  }
   if (!(t > t_min && t < t_max)) return std::nullopt;
   return TriangleHit{t, static_cast<float>(beta), static_cast<float>(gamma)};
 }
 
 /// The test where floats do not decide it: on an edge, or with areas too small or too large for a float.
 /// Products of floats are exact in double, so every edge function has its true sign.
-[[gnu::noinline, gnu::cold]] inline std::optional<TriangleHit> watertight_in_double(
-    float direction_z, const vec3& a, const vec3& b, const vec3& c, float t_min, float t_max) {
+[[gnu::noinline, gnu::cold]] inline std::optional<TriangleHit> watertight_in_double(const WatertightRay& ray,
+                                                                                    const Triangle& tri,
+                                                                                    const vec3& a, const vec3& b,
+                                                                                    const vec3& c, float t_min,
+                                                                                    float t_max) {
   const double u = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
   const double v = static_cast<double>(a.x) * c.y - static_cast<double>(a.y) * c.x;
   const double w = static_cast<double>(b.x) * a.y - static_cast<double>(b.y) * a.x;
   if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return std::nullopt;
   const double det = u + v + w;
   if (det == 0.0) return std::nullopt;
-  return watertight_hit(direction_z, a, b, c, v, w, det, t_min, t_max);
+  return watertight_hit(ray, tri, a, b, c, v, w, det, t_min, t_max);
 }
 
 }  // namespace detail
@@ -105,8 +136,8 @@ std::optional<TriangleHit> watertight_hit(float direction_z, const vec3& a, cons
 /// same numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals never turn a
 /// sign around, they can only lose it; then double decides. All of this falls if products and sums are
 /// contracted: this project compiles with -ffp-contract=off.
-inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray, const Triangle& tri,
-                                                       float t_min, float t_max) {
+inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray, const Triangle& tri, float t_min,
+                                                       float t_max) {
   const vec3 a = ray.to_local(tri.p0);
   const vec3 b = ray.to_local(tri.p1);
   const vec3 c = ray.to_local(tri.p2);
@@ -120,9 +151,9 @@ inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray,
   // Outside these bounds (NaN included) the flushed parts of the products, or 1 / det, would count.
   const float size = std::abs(det);
   if (smallest == 0.0f || largest == 0.0f || !(size > 0x1p-100f && size < 0x1p120f)) [[unlikely]] {
-    return detail::watertight_in_double(ray.direction_z, a, b, c, t_min, t_max);
+    return detail::watertight_in_double(ray, tri, a, b, c, t_min, t_max);
   }
-  return detail::watertight_hit(ray.direction_z, a, b, c, v, w, det, t_min, t_max);
+  return detail::watertight_hit(ray, tri, a, b, c, v, w, det, t_min, t_max);
 }
 
 /// The nearer and the farther distance at which the line of the ray meets the sphere, in units of its
