@@ -1,7 +1,10 @@
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "catch.hpp"
 #include "expect_error.hpp"
+#include "file_size_limit.hpp"
 #include "raylab/core/atomic_file.hpp"
 #include "temp_folder.hpp"
 
@@ -49,17 +52,37 @@ TEST_CASE("an atomic file refuses to commit what could not be written", "[unit][
   CHECK(read_text(file) == "old");
 }
 
-TEST_CASE("a full device is reported with the system's reason", "[unit][core]") {
-  AtomicFile output("/dev/full");
-  output.stream() << "text";
-  expect_error(ErrorKind::output, "/dev/full", {"No space left"}, [&] { output.commit(); });
+TEST_CASE("a full disk is reported with the system's reason, and the old file stays", "[unit][core]") {
+  const TempFolder folder;
+  const fs::path file = folder / "a.txt";
+  write_text(file, "old");
+  const auto expect = [&](std::size_t size, const char* reason) {
+    const FileSizeLimit limit(5);
+    AtomicFile output(file);
+    output.stream() << std::string(size, 'x');
+    expect_error(ErrorKind::output, file.string(), {"cannot be written", reason}, [&] { output.commit(); });
+  };
+  expect(10, "File too large");
+  expect(100000, "is the disk full?");  // failed before the commit: the reason is lost
+  CHECK(read_text(file) == "old");
+  CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("a device is written to and stays a device", "[unit][core]") {
-  AtomicFile output("/dev/null");
+TEST_CASE("a pipe is written to and stays a pipe", "[unit][core]") {
+  const TempFolder folder;
+  const fs::path pipe = folder / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  REQUIRE(reader >= 0);
+  AtomicFile output(pipe);
   output.stream() << "text";
   output.commit();
-  CHECK(fs::is_character_file("/dev/null"));
+  char text[5] = {};
+  CHECK(read(reader, text, 4) == 4);
+  close(reader);
+  CHECK(text == std::string("text"));
+  CHECK(fs::is_fifo(pipe));
+  CHECK(folder.entries() == 1);
 }
 
 TEST_CASE("an atomic file follows links", "[unit][core]") {

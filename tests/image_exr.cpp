@@ -12,6 +12,7 @@
 
 #include "catch.hpp"
 #include "expect_error.hpp"
+#include "file_size_limit.hpp"
 #include "raylab/image/image_file.hpp"
 #include "temp_folder.hpp"
 
@@ -253,6 +254,11 @@ TEST_CASE("an EXR file that cannot be written leaves the old one", "[unit][image
   CHECK(folder.entries() == 1);
   expect_error(ErrorKind::output, (file / "b.exr").string(), {"Not a directory"},
                [&] { write_exr(file / "b.exr", numbered(2, 2)); });
-  expect_error(ErrorKind::output, "/dev/full", {"cannot be written"},
-               [&] { write_exr("/dev/full", numbered(2, 2)); });
+  {
+    const FileSizeLimit limit(100);
+    expect_error(ErrorKind::output, file.string(), {"cannot be written"},
+                 [&] { write_exr(file, numbered(9, 9)); });
+  }
+  CHECK(read_text(file) == "old");
+  CHECK(folder.entries() == 1);
 }

@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "expect_error.hpp"
+#include "file_size_limit.hpp"
 #include "image_png_bytes.hpp"
 #include "raylab/image/image_file.hpp"
 #include "temp_folder.hpp"
@@ -168,5 +169,16 @@ TEST_CASE("a picture's name is refused before anything is written", "[unit][imag
   check_writable_image(folder / "a.png");
   check_writable_image(folder / "a.Exr");
   CHECK(folder.entries() == 1);
-  expect_error(ErrorKind::output, "/dev/full", {"No space left"}, [&] { write_png("/dev/full", Image(1, 1)); });
+}
+
+TEST_CASE("a PNG file that cannot be written leaves the old one", "[unit][image]") {
+  const TempFolder folder;
+  const fs::path file = folder / "a.png";
+  write_text(file, "old");
+  {
+    const FileSizeLimit limit(10);
+    expect_error(ErrorKind::output, file.string(), {"File too large"}, [&] { write_png(file, Image(1, 1)); });
+  }
+  CHECK(read_text(file) == "old");
+  CHECK(folder.entries() == 1);
 }

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "file_size_limit.hpp"
 #include "raylab/image/image_file.hpp"
 #include "run_program.hpp"
 #include "temp_folder.hpp"
@@ -156,4 +157,7 @@ TEST_CASE("raylab-image says with exit code 4 what it cannot write", "[cli][imag
   expect_failure({"diff", a, a, "-o", out}, 4, out + ": cannot be written: No such file");
   // Before anything is read.
   expect_failure({"convert", folder.name("missing.exr"), out}, 4, out + ": cannot be written");
+  const FileSizeLimit limit(3);  // of standard output too
+  CHECK(raylab_image({"info", a}).exit_code == 4);
+  CHECK(raylab_image({"--version"}).exit_code == 4);
 }

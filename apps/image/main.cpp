@@ -71,7 +71,9 @@ void run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     run(argc, argv);
-    if (std::fflush(stdout) != 0) throw Error(ErrorKind::output, "standard output", "cannot be written");
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      throw Error(ErrorKind::output, "standard output", "cannot be written");
+    }
     return 0;
   } catch (const Error& e) {
     std::fprintf(stderr, "raylab-image: %s\n", e.what());

@@ -72,7 +72,8 @@ class Film {
   Rgb mean(int x, int y) const;
 
   /// Estimated variance of each channel of mean(): sample variance / n. 0 with fewer than two samples.
-  /// With stratified samplers it overestimates; with values above 2^20, whose squares are clamped, it underestimates.
+  /// With stratified samplers it overestimates; with values above 2^20, whose squares are clamped, it
+  /// underestimates.
   dvec3 variance_of_mean(int x, int y) const { return variance_of_mean(index(x, y)); }
 
   /// Mean of variance / (mean² + 0.01) over channels and the pixels with two samples or more: estimate of the
