@@ -193,6 +193,13 @@ TEST_CASE("a concave polygon keeps its winding in every plane", "[unit]") {
   }
 }
 
+TEST_CASE("each polygon of several becomes its own triangles alone", "[unit]") {
+  InputFolder folder;
+  const TriangleMesh mesh = folder.obj(kSquare + "f 1 2 3 4\nf 4 1 2 3\nf 1 2 3\nf 2 3 4 1\n").mesh;
+  CHECK(mesh.triangles ==
+        std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}, {3, 0, 1}, {3, 1, 2}, {0, 1, 2}, {1, 2, 3}, {1, 3, 0}});
+}
+
 TEST_CASE("a polygon that crosses itself becomes a fan with a warning", "[unit]") {
   InputFolder folder;
   const ObjMesh read = folder.obj(kSquare + "f 1 3 2 4\nf 1 2 3\n");

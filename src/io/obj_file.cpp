@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <istream>
+#include <span>
 #include <utility>
 
 #include "corner_indices.hpp"

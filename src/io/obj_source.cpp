@@ -95,16 +95,15 @@ void ObjSource::fail(const std::string& expected) const {
 
 /// Index of the '\n' that ends the line that starts at `from`. A line may end in \n, \r\n or \r.
 std::size_t ObjSource::line_end(std::size_t from) {
-  const std::size_t end = text_.find('\n', from);  // there is one: the text ends with it
-  char* const cr = static_cast<char*>(std::memchr(text_.data() + from, '\r', end - from));
-  if (cr == nullptr) return end;
-  const auto at = static_cast<std::size_t>(cr - text_.data());
-  if (at + 1 == end) {
-    *cr = ' ';
+  std::size_t end = from;
+  while (text_[end] != '\n' && text_[end] != '\r') ++end;  // ends, as the text ends with \n
+  if (text_[end] == '\n') return end;
+  if (text_[end + 1] != '\n') {
+    text_[end] = '\n';
     return end;
   }
-  *cr = '\n';
-  return at;
+  text_[end] = ' ';
+  return end + 1;
 }
 
 /// Moves on to the next statement and makes it one line, if it was continued by backslashes. False at the end.

@@ -103,19 +103,20 @@ SceneMaterials::SceneMaterials(const TomlValue* table, const std::filesystem::pa
   const ColorReader colors(folder, library.textures);
   for (const TomlValue& item : table->items) {
     if (!item.is_table()) item.fail("material." + item.key, "a table, written [material." + item.key + "]");
+    by_name_[item.key] = entries_.size();
     entries_.push_back({&item, library.add(read_material(item, colors), item.place), false});
   }
 }
 
 std::uint32_t SceneMaterials::use(const TomlValue& name, const std::string& path) {
   const std::string& wanted = string_of(name, path);
-  std::vector<std::string> known;
-  for (Entry& entry : entries_) {
-    known.push_back(entry.table->key);
-    if (known.back() != wanted) continue;
-    entry.used = true;
-    return entry.index;
+  const auto found = by_name_.find(wanted);
+  if (found != by_name_.end()) {
+    entries_[found->second].used = true;
+    return entries_[found->second].index;
   }
+  std::vector<std::string> known;
+  for (const Entry& entry : entries_) known.push_back(entry.table->key);
   const std::string none = known.empty() ? ": the scene defines none" : nearest_hint(wanted, known, "material");
   name.fail_here(path + ": no material is named " + in_quotes(wanted) + none);
 }

@@ -40,7 +40,8 @@ class SceneMaterials {
     std::uint32_t index;
     bool used;
   };
-  std::vector<Entry> entries_;
+  std::vector<Entry> entries_;  // in the order of the file
+  std::map<std::string, std::size_t> by_name_;
 };
 
 /// [[sphere]]: center, radius and material, all required. Appends to the scene.

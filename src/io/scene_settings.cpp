@@ -1,4 +1,7 @@
 // [camera], [render] and [background].
+#include <cstdint>
+#include <initializer_list>
+
 #include "file_bytes.hpp"
 #include "scene_sections.hpp"
 #include "texture_files.hpp"
