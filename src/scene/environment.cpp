@@ -7,10 +7,18 @@
 
 namespace raylab {
 
+namespace {
+
+/// Sine of the angle between unit direction d and the vertical.
+float sine_from_pole(const vec3& d) { return std::sqrt(d.x * d.x + d.z * d.z); }
+
+}  // namespace
+
 vec2 direction_to_latlong(const vec3& d) {
   // u = 0.5 at -z, growing towards +x as seen from inside.
   const float u = 0.5f + std::atan2(d.x, -d.z) * (0.5f * kInvPi);
-  const float v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) * kInvPi;
+  // Not by the arc cosine, which knows angles below 3e-4 from a pole as 0.
+  const float v = std::atan2(sine_from_pole(d), d.y) * kInvPi;
   return {u, v};
 }
 
@@ -148,7 +156,7 @@ float EnvironmentSampler::pdf(const vec3& d) const {
   const vec2 uv = direction_to_latlong(d);
   const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width_)), 0, width_ - 1);
   const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height_)), 0, height_ - 1);
-  const float sine = std::sqrt(std::max(0.0f, 1.0f - d.y * d.y));
+  const float sine = sine_from_pole(d);
   if (sine <= 0.0f) return 0.0f;
   return density_[static_cast<std::size_t>(y) * width_ + x] / (2.0f * kPi * kPi * sine);
 }

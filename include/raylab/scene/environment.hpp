@@ -37,7 +37,7 @@ class EnvironmentSampler {
 
   struct Sample {
     vec3 direction;  ///< unit
-    float pdf;       ///< per steradian; > 0
+    float pdf;       ///< per steradian; 0 where rounding has put the direction on a pole or into a black texel
   };
   Sample sample(const vec2& u) const;
   /// Density per steradian with which sample() gives unit direction d.
