@@ -19,8 +19,8 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
   if (!(s.vfov > 0.0f && s.vfov < 180.0f)) {
     bad("vfov", "found " + std::to_string(s.vfov) + ", expected degrees between 0 and 180");
   }
-  if (!(s.focus_distance > 0.0f)) {
-    bad("focus_distance", "found " + std::to_string(s.focus_distance) + ", expected a distance above 0");
+  if (!(s.focus_distance > 0.0f && s.focus_distance < kInfinity)) {
+    bad("focus_distance", "found " + std::to_string(s.focus_distance) + ", expected a finite distance above 0");
   }
   if (!(s.defocus_angle >= 0.0f && s.defocus_angle < 180.0f)) {
     bad("defocus_angle", "found " + std::to_string(s.defocus_angle) + ", expected degrees from 0 up to 180");
