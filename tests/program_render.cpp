@@ -1,0 +1,302 @@
+// raylab-render as its user meets it: options, exit codes, messages, files.
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "catch.hpp"
+#include "raylab/image/image_file.hpp"
+#include "raylab/image/metrics.hpp"
+#include "run_program.hpp"
+#include "temp_folder.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kProgram = RAYLAB_BINARY_DIR "/raylab-render";
+const std::string kCornell = RAYLAB_SOURCE_DIR "/scenes/cornell.toml";
+
+ProgramResult raylab_render(const std::vector<std::string>& arguments) { return run_program(kProgram, arguments); }
+
+constexpr const char* kBall = R"([camera]
+look_from = [0, 0, 5]
+look_at = [0, 0, 0]
+vfov = 40
+[render]
+width = 16
+height = 8
+samples_per_pixel = 4
+max_depth = 5
+[background]
+color = [1, 1, 1]
+[material.grey]
+type = "lambertian"
+albedo = [0.5, 0.5, 0.5]
+[[sphere]]
+center = [0, 0, 0]
+radius = 1
+material = "grey"
+)";
+
+/// A folder with a small scene, and an output file that was there before.
+struct SmallScene : TempFolder {
+  std::string scene = (*this / "ball.toml").string();
+  std::string output = (*this / "ball.exr").string();
+  SmallScene() {
+    write_text(scene, kBall);
+    write_text(output, "what was here before");
+  }
+  /// Writes the scene with `from` replaced by `to`.
+  void change(const std::string& from, const std::string& to) {
+    std::string text = kBall;
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    write_text(scene, text.replace(at, from.size(), to));
+  }
+  /// Renders; it must fail with this exit code and one line that contains the parts, and leave the output alone.
+  void expect_failure(int exit_code, const std::vector<std::string>& parts,
+                      std::vector<std::string> arguments = {}) const {
+    arguments.insert(arguments.begin(), {scene, "-o", output});
+    const ProgramResult result = raylab_render(arguments);
+    INFO(result.err);
+    CHECK(result.exit_code == exit_code);
+    CHECK(result.out.empty());
+    for (const std::string& part : parts) {
+      INFO("expected: " << part);
+      CHECK(result.err.find(part) != std::string::npos);
+    }
+    CHECK(result.err.rfind("raylab-render: ", 0) == 0);
+    CHECK(read_text(output) == "what was here before");
+  }
+};
+
+}  // namespace
+
+TEST_CASE("raylab-render writes each picture it is asked for and reports what it did", "[cli]") {
+  const SmallScene small;
+  const std::string png = (small / "ball.png").string();
+  const std::string stats = (small / "stats.json").string();
+  const ProgramResult result =
+      raylab_render({small.scene, "-o", small.output, "-o", png, "--stats", stats, "--layers",
+                     "albedo,normal,depth,variance,samples", "--seed", "9", "--threads", "2"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.empty());
+  for (const char* part : {"1 spheres", "built in", "camera", "shadow", "Mrays/s", "Mpaths/s", "relMSE", "dropped    0"}) {
+    INFO(part << " in " << result.out);
+    CHECK(result.out.find(part) != std::string::npos);
+  }
+  const Image picture = read_exr(small.output);
+  CHECK(picture.width == 16);
+  CHECK(picture.height == 8);
+  CHECK(picture.at(0, 0) == Rgb(1.0f));       // the sky
+  CHECK(picture.at(8, 4).r < 0.9f);           // the ball
+  CHECK(read_image8(png).width == 16);
+  const Attributes attributes = read_exr_attributes(small.output);
+  CHECK(attributes.at("raylab.seed") == "9");
+  CHECK(attributes.at("raylab.partial") == "false");
+  CHECK(attributes.at("raylab.command").find("--seed 9") != std::string::npos);
+  const auto json = nlohmann::json::parse(read_text(stats));
+  CHECK(json.at("rays").at("camera") == 16 * 8 * 4);
+  CHECK(json.at("spp") == 4);
+  CHECK(json.at("partial") == false);
+  CHECK(json.at("threads") == 2);
+}
+
+TEST_CASE("the options of raylab-render reach the picture", "[cli]") {
+  const SmallScene small;
+  const auto render = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {small.scene, "-o", small.output, "--quiet"});
+    const ProgramResult result = raylab_render(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.out.empty());
+    CHECK(result.err.empty());
+    return read_exr(small.output);
+  };
+  const Image plain = render({});
+  const auto differs = [&](const std::vector<std::string>& arguments) {
+    return image_error(render(arguments), plain).different_pixels > 0;
+  };
+  CHECK_FALSE(differs({}));
+  CHECK_FALSE(differs({"--threads", "1", "--tile-size", "3"}));
+  CHECK(differs({"--seed", "1"}));
+  CHECK(differs({"--first-sample", "4"}));
+  CHECK(differs({"--spp", "5"}));
+  CHECK(differs({"--sampler", "independent"}));
+  CHECK(differs({"--max-depth", "1"}));
+  CHECK(differs({"--set", "camera.vfov=50"}));
+  CHECK(differs({"--set", "material.grey.albedo=[0.1, 0.2, 0.3]", "--set", "sphere.0.radius=0.5"}));
+  CHECK(render({"--width", "32"}).height == 16);  // alone, it keeps the aspect ratio
+  CHECK(render({"--height", "4"}).width == 8);
+  CHECK(render({"--width", "5", "--height", "7"}).height == 7);
+
+  const Image cropped = render({"--crop", "7,3,2,1"});
+  CHECK(cropped.at(7, 3) == plain.at(7, 3));
+  CHECK(cropped.at(8, 3) == plain.at(8, 3));
+  CHECK(cropped.at(0, 0) == Rgb(0.0f));
+}
+
+TEST_CASE("every built-in accelerator can be chosen by name", "[cli]") {
+  const SmallScene small;
+  const ProgramResult list = raylab_render({"--list-accels"});
+  CHECK(list.exit_code == 0);
+  for (const std::string name : {"list", "rtiow", "embree", "embree-robust"}) {
+    CHECK(("\n" + list.out).find("\n" + name + " ") != std::string::npos);
+    CHECK(raylab_render({small.scene, "-o", small.output, "--accel", name, "--quiet"}).exit_code == 0);
+  }
+  CHECK(raylab_render({small.scene, "-o", small.output, "--accel", "list", "--intersector", "fast"}).exit_code == 0);
+}
+
+TEST_CASE("without -o the picture has the name of the scene", "[cli]") {
+  const TempFolder folder;
+  // The program is started in the folder the tests run in; a relative scene name there would litter it.
+  const fs::path old = fs::current_path();
+  fs::current_path(folder.path());
+  const ProgramResult result = raylab_render({kCornell, "--width", "8", "--spp", "1", "--quiet"});
+  fs::current_path(old);
+  CHECK(result.exit_code == 0);
+  CHECK(read_exr(folder / "cornell.exr").width == 8);
+}
+
+TEST_CASE("--check says how the scene was understood and writes nothing", "[cli]") {
+  const TempFolder folder;
+  const std::string output = (folder / "none.exr").string();
+  const ProgramResult result = raylab_render({kCornell, "-o", output, "--check"});
+  CHECK(result.exit_code == 0);
+  for (const char* part : {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights"}) {
+    INFO(part << " in " << result.out);
+    CHECK(result.out.find(part) != std::string::npos);
+  }
+  CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {
+  const SmallScene small;
+  small.expect_failure(2, {"bvvh", "embree"}, {"--accel", "bvvh"});
+  small.expect_failure(2, {"--intersector", "sloppy"}, {"--accel", "list", "--intersector", "sloppy"});
+  small.expect_failure(2, {"--intersector"}, {"--accel", "embree", "--intersector", "fast"});
+  small.expect_failure(2, {"--integrator", "magic"}, {"--integrator", "magic"});
+  small.expect_failure(2, {"--sampler", "dice"}, {"--sampler", "dice"});
+  small.expect_failure(2, {"--spp"}, {"--spp", "0"});
+  small.expect_failure(2, {"--width", "0"}, {"--width", "0"});
+  small.expect_failure(2, {"--crop", "10,0,10,1"}, {"--crop", "10,0,10,1"});
+  small.expect_failure(2, {"--crop", "1,2,x"}, {"--crop", "1,2,x"});
+  small.expect_failure(2, {"--set", "camera.vfow"}, {"--set", "camera.vfow=3"});
+  small.expect_failure(2, {"--nonsense"}, {"--nonsense"});
+  const ProgramResult nothing = raylab_render({});
+  CHECK(nothing.exit_code == 2);
+  CHECK(nothing.err.find("scene") != std::string::npos);
+}
+
+TEST_CASE("a bad scene exits with 3, with place and value", "[cli]") {
+  SmallScene small;
+  const std::string file = small.scene;
+  SECTION("a missing scene file") {
+    fs::remove(small.scene);
+    small.expect_failure(3, {file});
+  }
+  SECTION("a syntax error") {
+    small.change("vfov = 40", "vfov = = 40");
+    small.expect_failure(3, {file + ":4:"});
+  }
+  SECTION("a wrong type") {
+    small.change("vfov = 40", "vfov = \"wide\"");
+    small.expect_failure(3, {file + ":4:", "wide"});
+  }
+  SECTION("an unknown key") {
+    small.change("vfov = 40", "vfow = 40");
+    small.expect_failure(3, {file + ":4:", "vfow", "vfov"});
+  }
+  SECTION("a picture without pixels") {
+    small.change("width = 16", "width = 0");
+    small.expect_failure(3, {file + ":6:", "0"});
+  }
+  SECTION("a camera that looks along up") {
+    small.change("look_at = [0, 0, 0]", "look_at = [0, 9, 5]");
+    small.expect_failure(3, {file, "up"});
+  }
+  SECTION("a camera that looks nowhere") {
+    small.change("look_at = [0, 0, 0]", "look_at = [0, 0, 5]");
+    small.expect_failure(3, {file, "look_at"});
+  }
+  SECTION("a missing mesh") {
+    small.change("[[sphere]]", "[[mesh]]\nobj = \"nowhere.obj\"\n[[sphere]]");
+    small.expect_failure(3, {file + ":16:", "nowhere.obj"});
+  }
+  SECTION("an index out of range") {
+    write_text(small / "bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    small.change("[[sphere]]", "[[mesh]]\nobj = \"bad.obj\"\nmaterial = \"grey\"\n[[sphere]]");
+    small.expect_failure(3, {(small / "bad.obj").string() + ":4", "4"});
+  }
+  SECTION("a vertex that is no number") {
+    write_text(small / "bad.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+    small.change("[[sphere]]", "[[mesh]]\nobj = \"bad.obj\"\nmaterial = \"grey\"\n[[sphere]]");
+    small.expect_failure(3, {(small / "bad.obj").string() + ":2", "nan"});
+  }
+}
+
+TEST_CASE("a missing texture is a warning by name and shows in magenta", "[cli]") {
+  const SmallScene small;
+  write_text(small / "wall.mtl", "newmtl wall\nillum 2\nKd 1 1 1\nmap_Kd missing.png\n");
+  write_text(small / "wall.obj",
+             "mtllib wall.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nvt 0 0\nusemtl wall\nf 1/1 2/1 3/1 4/1\n");
+  write_text(small.scene, "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [1, 1, 1]\n"
+                          "[[mesh]]\nobj = \"wall.obj\"\n");
+  const ProgramResult result =
+      raylab_render({small.scene, "-o", small.output, "--width", "4", "--height", "4", "--spp", "16"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.find("wall.mtl:4") != std::string::npos);
+  CHECK(result.err.find("missing.png") != std::string::npos);
+  const Rgb pixel = read_exr(small.output).at(2, 2);
+  CHECK(pixel.r > 0.5f);
+  CHECK(pixel.g == 0.0f);
+  CHECK(pixel.b == pixel.r);
+}
+
+TEST_CASE("an empty scene renders its background, with a warning", "[cli]") {
+  const SmallScene small;
+  write_text(small.scene, "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [0.25, 0.5, 1]\n");
+  const ProgramResult result = raylab_render({small.scene, "-o", small.output, "--width", "2", "--height", "2"});
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.find("warning") != std::string::npos);
+  CHECK(read_exr(small.output).at(1, 1) == Rgb(0.25f, 0.5f, 1.0f));
+}
+
+TEST_CASE("an output that cannot be written is told before rendering, with exit code 4", "[cli]") {
+  const SmallScene small;
+  const std::string nowhere = (small / "no/such/folder/x.exr").string();
+  const ProgramResult result = raylab_render({small.scene, "-o", nowhere, "--spp", "1000000", "--width", "4000"});
+  CHECK(result.exit_code == 4);
+  CHECK(result.err.find(nowhere) != std::string::npos);
+  const ProgramResult folder = raylab_render({small.scene, "-o", small.path().string() + "/folder.exr/"});
+  CHECK(folder.exit_code != 0);
+  const ProgramResult ending = raylab_render({small.scene, "-o", (small / "x.gif").string()});
+  CHECK(ending.exit_code == 2);
+  CHECK(ending.err.find("x.gif") != std::string::npos);
+}
+
+TEST_CASE("an interrupted render writes what it has, marked partial, and exits with 130", "[cli]") {
+  const SmallScene small;
+  // `timeout` sends the signal that Ctrl-C would.
+  const ProgramResult result =
+      run_program("/usr/bin/timeout", {"--preserve-status", "-s", "INT", "2", kProgram, small.scene, "-o", small.output,
+                                       "--spp", "100000000", "--width", "64", "--progress", "json"});
+  CHECK(result.exit_code == 130);
+  CHECK(result.out.find("partial") != std::string::npos);
+  CHECK(read_exr_attributes(small.output).at("raylab.partial") == "true");
+  CHECK(read_exr(small.output).at(0, 0) == Rgb(1.0f));
+  // Each line of JSON progress is JSON.
+  std::size_t lines = 0;
+  for (std::size_t at = 0, end; (end = result.err.find('\n', at)) != std::string::npos; at = end + 1, ++lines) {
+    const auto json = nlohmann::json::parse(result.err.substr(at, end - at));
+    CHECK(json.at("progress") <= 1.0);
+  }
+  CHECK(lines >= 1);
+}
