@@ -8,6 +8,7 @@ namespace raylab {
 
 std::unique_ptr<Accelerator> make_list(const Geometry& geometry, const AcceleratorOptions& options);
 std::unique_ptr<Accelerator> make_rtiow(const Geometry& geometry, const AcceleratorOptions& options);
+std::unique_ptr<Accelerator> make_bvh(const Geometry& geometry, const AcceleratorOptions& options);
 std::unique_ptr<Accelerator> make_embree(const Geometry& geometry, const AcceleratorOptions& options);
 std::unique_ptr<Accelerator> make_embree_robust(const Geometry& geometry, const AcceleratorOptions& options);
 

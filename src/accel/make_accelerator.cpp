@@ -15,6 +15,7 @@ std::vector<AcceleratorEntry>& table() {
   static std::vector<AcceleratorEntry> entries = {
       {"list", "tests every primitive", make_list},
       {"rtiow", "the BVH of Ray Tracing: The Next Week, faults included", make_rtiow},
+      {"bvh", "Raylab's own wide BVH, watertight", make_bvh},
       {"embree", "Intel Embree in its default, fast mode", make_embree},
       {"embree-robust", "Intel Embree in its robust mode", make_embree_robust},
   };
@@ -36,7 +37,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-[[noreturn]] void throw_unknown(const char* option, std::string_view found, const std::vector<std::string>& names) {
+[[noreturn]] void throw_unknown(const char* option, std::string_view found,
+                                const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
@@ -47,15 +49,45 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
                   *nearest + "'?");
 }
 
-struct NamedIntersector {
-  Intersector intersector;
+template <class Choice>
+struct Named {
+  Choice choice;
   std::string_view name;
 };
-constexpr std::array<NamedIntersector, 3> kIntersectors = {{
+constexpr std::array<Named<Intersector>, 3> kIntersectors = {{
     {Intersector::book, "book"},
     {Intersector::fast, "fast"},
     {Intersector::watertight, "watertight"},
 }};
+constexpr std::array<Named<BvhQuality>, 3> kQualities = {{
+    {BvhQuality::fast, "fast"},
+    {BvhQuality::balanced, "balanced"},
+    {BvhQuality::best, "best"},
+}};
+constexpr std::array<Named<Isa>, 3> kIsas = {{
+    {Isa::sse42, "sse4.2"},
+    {Isa::avx2, "avx2"},
+    {Isa::avx512, "avx512"},
+}};
+
+template <class Choice, std::size_t count>
+Choice parse(const char* option, std::string_view name, const std::array<Named<Choice>, count>& choices) {
+  std::vector<std::string> names;
+  for (const Named<Choice>& known : choices) {
+    if (known.name == name) return known.choice;
+    names.emplace_back(known.name);
+  }
+  throw_unknown(option, name, names);
+}
+
+/// Only `bvh` takes these; accelerators registered from elsewhere judge for themselves.
+void check_bvh_options(std::string_view name, const AcceleratorOptions& options) {
+  const auto refuse = [&](const char* option) {
+    throw Error(ErrorKind::usage, option, std::string(name) + " does not take it; bvh does");
+  };
+  if (options.quality) refuse("--bvh-quality");
+  if (options.isa) refuse("--isa");
+}
 
 }  // namespace
 
@@ -65,7 +97,12 @@ std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geome
                                               const AcceleratorOptions& options) {
   std::vector<std::string> names;
   for (const AcceleratorEntry& entry : table()) {
-    if (entry.name == name) return entry.make(geometry, options);
+    if (entry.name == name) {
+      if (name == "list" || name == "rtiow" || name == "embree" || name == "embree-robust") {
+        check_bvh_options(name, options);
+      }
+      return entry.make(geometry, options);
+    }
     names.push_back(entry.name);
   }
   throw_unknown("--accel", name, names);
@@ -83,14 +120,12 @@ RegisterAccelerator::RegisterAccelerator(AcceleratorEntry entry) {
 std::string_view intersector_name(Intersector intersector) {
   return kIntersectors[static_cast<std::size_t>(intersector)].name;
 }
+Intersector parse_intersector(std::string_view name) { return parse("--intersector", name, kIntersectors); }
 
-Intersector parse_intersector(std::string_view name) {
-  std::vector<std::string> names;
-  for (const NamedIntersector& known : kIntersectors) {
-    if (known.name == name) return known.intersector;
-    names.emplace_back(known.name);
-  }
-  throw_unknown("--intersector", name, names);
-}
+std::string_view quality_name(BvhQuality quality) { return kQualities[static_cast<std::size_t>(quality)].name; }
+BvhQuality parse_quality(std::string_view name) { return parse("--bvh-quality", name, kQualities); }
+
+std::string_view isa_name(Isa isa) { return kIsas[static_cast<std::size_t>(isa)].name; }
+Isa parse_isa(std::string_view name) { return parse("--isa", name, kIsas); }
 
 }  // namespace raylab

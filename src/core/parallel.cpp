@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <xmmintrin.h>
 
 #include <atomic>
@@ -36,6 +37,16 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
         for (std::size_t n = range.size(); n > 0; --n) body(next.fetch_add(1, std::memory_order_relaxed));
       },
       tbb::simple_partitioner());
+}
+
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
+  const auto flushed = [](const std::function<void()>& task) {
+    return [&task] {
+      const FlushDenormals flush;
+      task();
+    };
+  };
+  tbb::parallel_invoke(flushed(a), flushed(b));
 }
 
 FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) {

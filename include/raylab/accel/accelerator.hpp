@@ -45,10 +45,18 @@ class Accelerator {
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
+/// How much building time `bvh` may spend on a better tree.
+enum class BvhQuality { fast, balanced, best };
+
+/// Instruction sets that `bvh` is compiled for, from the oldest to the newest.
+enum class Isa { sse42, avx2, avx512 };
+
 /// Choices for those accelerators that offer them.
 struct AcceleratorOptions {
   std::optional<Intersector> intersector;  ///< absent: the accelerator's own default
   int threads = 0;                         ///< for building; 0: all
+  std::optional<BvhQuality> quality;       ///< absent: balanced; `bvh` only
+  std::optional<Isa> isa;                  ///< absent: the newest the processor has; `bvh` only
 };
 
 using AcceleratorFactory = std::function<std::unique_ptr<Accelerator>(const Geometry&, const AcceleratorOptions&)>;
@@ -78,5 +86,11 @@ struct RegisterAccelerator {
 std::string_view intersector_name(Intersector intersector);
 /// Throws Error (usage) for an unknown name.
 Intersector parse_intersector(std::string_view name);
+std::string_view quality_name(BvhQuality quality);
+/// Throws Error (usage) for an unknown name.
+BvhQuality parse_quality(std::string_view name);
+std::string_view isa_name(Isa isa);
+/// Throws Error (usage) for an unknown name.
+Isa parse_isa(std::string_view name);
 
 }  // namespace raylab

@@ -26,6 +26,10 @@ class ThreadLimit {
 /// flushed (see FlushDenormals), so all accelerators see the same arithmetic.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Calls both, perhaps at the same time, and returns when both are done; for tasks that split themselves.
+/// Exceptions reach the caller. Denormals are flushed as in parallel_for.
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
+
 /// Sets FTZ and DAZ for this thread while it lives, and restores them. Embree asks for both; every backend
 /// is measured under the same setting.
 class FlushDenormals {

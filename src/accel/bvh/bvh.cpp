@@ -1,0 +1,201 @@
+// `bvh`: Raylab's own tree. See layout.hpp for what it is made of, traverse.hpp for how it is traversed.
+#include <cmath>
+#include <string>
+
+#include "../backends.hpp"
+#include "kernel.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/core/timing.hpp"
+#include "wide_tree.hpp"
+
+namespace raylab {
+
+namespace bvh {
+
+namespace {
+
+/// What the functions that the traversal calls back need.
+struct Context {
+  const Geometry* geometry;
+  const PrimitiveId* ids;
+};
+
+const Context& as_context(const void* context) { return *static_cast<const Context*>(context); }
+
+Ray as_ray(const KernelRay& ray, float limit) {
+  return {{ray.origin[0], ray.origin[1], ray.origin[2]},
+          {ray.direction[0], ray.direction[1], ray.direction[2]},
+          ray.t_min,
+          next_float_up(limit)};
+}
+
+}  // namespace
+
+template <Intersector kind>
+bool hit_sphere(const void* context, std::uint32_t place, const KernelRay& ray, float limit, float& t) noexcept {
+  const Sphere& sphere = as_context(context).geometry->spheres[as_context(context).ids[place].primitive];
+  const Ray own = as_ray(ray, limit);
+  const auto hit = kind == Intersector::book ? intersect_sphere_book(own, sphere, own.t_min, own.t_max)
+                                             : intersect_sphere(own, sphere, own.t_min, own.t_max);
+  if (!hit) return false;
+  t = *hit;
+  return true;
+}
+template bool hit_sphere<Intersector::book>(const void*, std::uint32_t, const KernelRay&, float, float&) noexcept;
+template bool hit_sphere<Intersector::fast>(const void*, std::uint32_t, const KernelRay&, float, float&) noexcept;
+template bool hit_sphere<Intersector::watertight>(const void*, std::uint32_t, const KernelRay&, float,
+                                                  float&) noexcept;
+
+bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
+                        KernelHit& hit) noexcept {
+  Triangle triangle;
+  for (int axis = 0; axis < 3; ++axis) {
+    triangle.p0[axis] = block.position[axis][block.corner[0][lane]];
+    triangle.p1[axis] = block.position[axis][block.corner[1][lane]];
+    triangle.p2[axis] = block.position[axis][block.corner[2][lane]];
+  }
+  const Ray own = as_ray(ray, limit);
+  const auto found = intersect_watertight(WatertightRay(own), triangle, own.t_min, own.t_max);
+  if (!found) return false;
+  hit = {found->t, found->u, found->v, block.first + static_cast<std::uint32_t>(lane)};
+  return true;
+}
+
+bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept {
+  const PrimitiveId& x = as_context(context).ids[a];
+  const PrimitiveId& y = as_context(context).ids[b];
+  return x.geometry != y.geometry ? x.geometry < y.geometry : x.primitive < y.primitive;
+}
+
+namespace {
+
+bool supported(Isa isa) {
+  switch (isa) {
+    case Isa::sse42:
+      return __builtin_cpu_supports("sse4.2") != 0;
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2") != 0;
+    case Isa::avx512:
+      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+             __builtin_cpu_supports("avx512vl") != 0;
+  }
+  return false;
+}
+
+const Kernel& kernel_of(Isa isa) {
+  switch (isa) {
+    case Isa::avx512:
+      return kKernelAvx512;
+    case Isa::avx2:
+      return kKernelAvx2;
+    case Isa::sse42:
+      break;
+  }
+  return kKernelSse42;
+}
+
+const Kernel& choose_kernel(std::optional<Isa> forced) {
+  if (forced) {
+    if (supported(*forced)) return kernel_of(*forced);
+    throw Error(ErrorKind::usage, "--isa", "this processor has no " + std::string(isa_name(*forced)));
+  }
+  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse42}) {
+    if (supported(isa)) return kernel_of(isa);
+  }
+  throw Error(ErrorKind::failure, "bvh", "this processor has no SSE4.2");
+}
+
+/// Within this factor of 1, either way, the largest component of a direction needs no rescaling. The faults of the
+/// book's triangle test depend on the scale, so they are let be as far as the box test can.
+constexpr float kDirectionRange = 0x1p60f;
+constexpr float kBookDirectionRange = 0x1p120f;
+
+class Bvh final : public Accelerator {
+ public:
+  Bvh(const Geometry& geometry, const AcceleratorOptions& options)
+      : context_{&geometry, nullptr}, kernel_(choose_kernel(options.isa)) {
+    const Intersector intersector = options.intersector.value_or(Intersector::watertight);
+    intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
+    occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
+    if (intersector == Intersector::book) direction_range_ = kBookDirectionRange;
+    const Stopwatch watch;
+    {
+      const std::optional<ThreadLimit> limit =
+          options.threads > 0 ? std::optional<ThreadLimit>(std::in_place, options.threads) : std::nullopt;
+      const FlushDenormals flush;
+      tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
+    }
+    context_.ids = tree_.ids.data();
+    view_ = {tree_.nodes.data(), tree_.blocks.data(), tree_.root, &context_};
+    report_.seconds = watch.seconds();
+    report_.bytes = sizeof(*this) + tree_.bytes();
+    report_.primitives = tree_.ids.size();
+    report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
+    report_.nodes = tree_.nodes.size();
+    report_.depth = tree_.depth;
+    report_.sah_cost = tree_.sah_cost;
+    report_.isa = kernel_.isa;
+  }
+  Bvh(const Bvh&) = delete;
+  Bvh& operator=(const Bvh&) = delete;
+
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+    KernelRay query;
+    float scale;
+    if (!make_query(ray, query, scale)) return std::nullopt;
+    const KernelHit hit = intersect_(view_, query);
+    if (hit.place == kNoPrimitive) return std::nullopt;
+    const PrimitiveId& id = tree_.ids[hit.place];
+    return Hit{hit.t * scale, hit.u, hit.v, id.geometry, id.primitive};
+  }
+
+  bool occluded(const Ray& ray) const noexcept override {
+    KernelRay query;
+    float scale;
+    return make_query(ray, query, scale) && occluded_(view_, query);
+  }
+
+  const BuildReport& build_report() const noexcept override { return report_; }
+
+ private:
+  /// False where nothing can be hit. Directions whose reciprocal is out of range are multiplied by a power of two,
+  /// and so is the reciprocal of t: by `scale` it becomes what it should be.
+  bool make_query(const Ray& ray, KernelRay& query, float& scale) const {
+    if (!(ray.t_min < ray.t_max)) return false;
+    scale = 1.0f;
+    const vec3 size = glm::abs(ray.direction);
+    const float largest = max_component(size);
+    query = {{ray.origin.x, ray.origin.y, ray.origin.z},
+             {ray.direction.x, ray.direction.y, ray.direction.z},
+             ray.t_min,
+             ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max()};
+    if (!(largest <= direction_range_ && largest * direction_range_ >= 1.0f)) [[unlikely]] {
+      if (!(largest > 0.0f)) return false;
+      scale = std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
+      for (float& d : query.direction) d *= scale;
+      query.t_min /= scale;
+      query.limit = std::min(query.limit / scale, std::numeric_limits<float>::max());
+    }
+    return true;
+  }
+
+  bvh::WideTree tree_;
+  Context context_;
+  const Kernel& kernel_;
+  TreeView view_{};
+  KernelHit (*intersect_)(const TreeView&, const KernelRay&) noexcept;
+  bool (*occluded_)(const TreeView&, const KernelRay&) noexcept;
+  float direction_range_ = kDirectionRange;
+  BuildReport report_;
+};
+
+}  // namespace
+
+}  // namespace bvh
+
+std::unique_ptr<Accelerator> make_bvh(const Geometry& geometry, const AcceleratorOptions& options) {
+  return std::make_unique<bvh::Bvh>(geometry, options);
+}
+
+}  // namespace raylab

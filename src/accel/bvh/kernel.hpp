@@ -1,0 +1,62 @@
+#pragma once
+// Between the accelerator and its traversal, which is compiled once for each instruction set.
+#include "layout.hpp"
+#include "raylab/geometry/intersect.hpp"
+
+namespace raylab::bvh {
+
+/// The ray as the traversal takes it. The largest component of the direction is neither so small nor so large
+/// that its reciprocal overflows or vanishes. Hits count with t_min < t <= limit: closed above, so that of hits
+/// at the same distance the one with the smallest id can be chosen, whatever the order in which they are found.
+struct KernelRay {
+  float origin[3];
+  float direction[3];
+  float t_min;
+  float limit;
+};
+
+inline constexpr std::uint32_t kNoPrimitive = 0xffffffffu;
+
+struct KernelHit {
+  float t, u, v;
+  std::uint32_t place;  ///< in the order of the tree, or kNoPrimitive
+};
+
+/// The tree as the traversal sees it.
+struct TreeView {
+  const void* nodes;  ///< Node<width>, of the width of the kernel
+  const TriangleBlock* blocks;
+  Ref root;
+  const void* context;  ///< for the functions below
+};
+
+/// What the traversal leaves to the code that all instruction sets share.
+/// The hit nearest to the origin on the sphere at a place in the tree, with t_min < t <= limit.
+template <Intersector kind>
+bool hit_sphere(const void* context, std::uint32_t place, const KernelRay& ray, float limit, float& t) noexcept;
+extern template bool hit_sphere<Intersector::book>(const void*, std::uint32_t, const KernelRay&, float,
+                                                   float&) noexcept;
+extern template bool hit_sphere<Intersector::fast>(const void*, std::uint32_t, const KernelRay&, float,
+                                                   float&) noexcept;
+extern template bool hit_sphere<Intersector::watertight>(const void*, std::uint32_t, const KernelRay&, float,
+                                                         float&) noexcept;
+/// intersect_watertight on the triangle in a lane of a block, with t_min < t <= limit: decides the rare lanes that
+/// the vector code cannot. Fills in all of the hit.
+bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
+                        KernelHit& hit) noexcept;
+/// Whether the primitive at place a has the smaller id.
+bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept;
+
+/// The traversal compiled for one instruction set.
+struct Kernel {
+  const char* isa;
+  int width;                                                              ///< children a node
+  KernelHit (*intersect[3])(const TreeView&, const KernelRay&) noexcept;  ///< by Intersector
+  bool (*occluded[3])(const TreeView&, const KernelRay&) noexcept;
+};
+
+extern const Kernel kKernelSse42;
+extern const Kernel kKernelAvx2;
+extern const Kernel kKernelAvx512;
+
+}  // namespace raylab::bvh

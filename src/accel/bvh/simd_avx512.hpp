@@ -1,0 +1,91 @@
+#pragma once
+// Vectors of AVX-512 (F, BW, DQ, VL). Comparisons give one bit a lane and are false for NaN; min and max give the
+// second operand where either is NaN.
+#include <immintrin.h>
+
+#include "layout.hpp"
+
+namespace raylab::bvh {
+namespace {
+
+struct Float8 {
+  static constexpr int lanes = 8;
+  __m256 v;
+  static Float8 load(const float* p) { return {_mm256_load_ps(p)}; }
+  static Float8 splat(float x) { return {_mm256_set1_ps(x)}; }
+  friend Float8 operator-(Float8 a, Float8 b) { return {_mm256_sub_ps(a.v, b.v)}; }
+  friend Float8 operator*(Float8 a, Float8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
+  friend Float8 min(Float8 a, Float8 b) { return {_mm256_min_ps(a.v, b.v)}; }
+  friend Float8 max(Float8 a, Float8 b) { return {_mm256_max_ps(a.v, b.v)}; }
+};
+
+struct Float16 {
+  static constexpr int lanes = 16;
+  __m512 v;
+  static Float16 load(const float* p) { return {_mm512_load_ps(p)}; }
+  static Float16 splat(float x) { return {_mm512_set1_ps(x)}; }
+  void store(float* p) const { _mm512_store_ps(p, v); }
+  friend Float16 operator+(Float16 a, Float16 b) { return {_mm512_add_ps(a.v, b.v)}; }
+  friend Float16 operator-(Float16 a, Float16 b) { return {_mm512_sub_ps(a.v, b.v)}; }
+  friend Float16 operator*(Float16 a, Float16 b) { return {_mm512_mul_ps(a.v, b.v)}; }
+  friend Float16 operator/(Float16 a, Float16 b) { return {_mm512_div_ps(a.v, b.v)}; }
+  friend Float16 min(Float16 a, Float16 b) { return {_mm512_min_ps(a.v, b.v)}; }
+  friend Float16 max(Float16 a, Float16 b) { return {_mm512_max_ps(a.v, b.v)}; }
+  friend Float16 abs(Float16 a) { return {_mm512_abs_ps(a.v)}; }
+  friend std::uint32_t less(Float16 a, Float16 b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
+  friend std::uint32_t less_equal(Float16 a, Float16 b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
+  friend std::uint32_t equal(Float16 a, Float16 b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ); }
+};
+
+/// Which vertex each lane takes.
+struct Lookup16 {
+  __m512i index;
+  explicit Lookup16(const std::uint8_t* corner)
+      : index(_mm512_cvtepu8_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(corner)))) {}
+  Float16 operator()(Float16 table) const { return {_mm512_permutexvar_ps(index, table.v)}; }
+};
+
+/// Puts the lanes with near <= far on the stack, the last in the order on top; returns how many.
+inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
+                        Ref* refs) {
+  const __m256i lane = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(*order)),
+                                         _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+  const __m256 sorted_near = _mm256_permutexvar_ps(lane, near.v);
+  const __m256 sorted_far = _mm256_permutexvar_ps(lane, far.v);
+  const __m256i sorted_child =
+      _mm256_permutexvar_epi32(lane, _mm256_load_si256(reinterpret_cast<const __m256i*>(child)));
+  const __mmask8 hit = _mm256_cmp_ps_mask(sorted_near, sorted_far, _CMP_LE_OQ);
+  _mm256_storeu_ps(distances, _mm256_maskz_compress_ps(hit, sorted_near));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_maskz_compress_epi32(hit, sorted_child));
+  return __builtin_popcount(hit);
+}
+inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs) {
+  const __mmask8 hit = _mm256_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
+  const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_maskz_compress_epi32(hit, all));
+  return __builtin_popcount(hit);
+}
+
+inline int push_ordered(Float16 near, Float16 far, const Ref* child, const std::uint32_t* order, float* distances,
+                        Ref* refs) {
+  const __m512i shifts = _mm512_setr_epi64(0, 4, 8, 12, 16, 20, 24, 28);
+  const __m512i low = _mm512_srlv_epi64(_mm512_set1_epi64(order[0]), shifts);
+  const __m512i high = _mm512_srlv_epi64(_mm512_set1_epi64(order[1]), shifts);
+  const __m512i lane =
+      _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi64_epi32(low)), _mm512_cvtepi64_epi32(high), 1);
+  const __m512 sorted_near = _mm512_permutexvar_ps(lane, near.v);
+  const __m512 sorted_far = _mm512_permutexvar_ps(lane, far.v);
+  const __m512i sorted_child = _mm512_permutexvar_epi32(lane, _mm512_load_si512(child));
+  const __mmask16 hit = _mm512_cmp_ps_mask(sorted_near, sorted_far, _CMP_LE_OQ);
+  _mm512_storeu_ps(distances, _mm512_maskz_compress_ps(hit, sorted_near));
+  _mm512_storeu_si512(refs, _mm512_maskz_compress_epi32(hit, sorted_child));
+  return __builtin_popcount(hit);
+}
+inline int push_any(Float16 near, Float16 far, const Ref* child, Ref* refs) {
+  const __mmask16 hit = _mm512_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
+  _mm512_storeu_si512(refs, _mm512_maskz_compress_epi32(hit, _mm512_load_si512(child)));
+  return __builtin_popcount(hit);
+}
+
+}  // namespace
+}  // namespace raylab::bvh

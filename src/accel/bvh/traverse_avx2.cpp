@@ -1,0 +1,8 @@
+#include "simd_avx2.hpp"
+#include "traverse.hpp"
+
+namespace raylab::bvh {
+
+constinit const Kernel kKernelAvx2 = make_kernel<Float8>("avx2");
+
+}  // namespace raylab::bvh

@@ -1,0 +1,8 @@
+#include "simd_sse42.hpp"
+#include "traverse.hpp"
+
+namespace raylab::bvh {
+
+constinit const Kernel kKernelSse42 = make_kernel<Float8>("sse4.2");
+
+}  // namespace raylab::bvh

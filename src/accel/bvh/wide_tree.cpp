@@ -1,0 +1,254 @@
+#include "wide_tree.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "binary_tree.hpp"
+#include "raylab/core/check.hpp"
+#include "raylab/core/parallel.hpp"
+
+namespace raylab::bvh {
+
+namespace {
+
+constexpr int kWidth = 8;
+
+/// The top of a binary subtree, as many levels of it as one wide node takes in.
+class Treelet {
+ public:
+  /// Opens the child of the largest area until there are enough or none is left to open.
+  Treelet(const BinaryNode* nodes, std::uint32_t root) : nodes_(nodes) {
+    parts_[0] = {root, 0};
+    size_ = 1;
+    for (int children = 1; children < kWidth; ++children) {
+      int largest = -1;
+      float largest_area = -1.0f;
+      for (int i = 0; i < size_; ++i) {
+        if (parts_[i].left != 0 || node(i).is_leaf()) continue;
+        const float area = half_area(node(i));
+        if (area > largest_area) {
+          largest_area = area;
+          largest = i;
+        }
+      }
+      if (largest < 0) break;
+      const std::uint32_t child = node(largest).first;
+      parts_[largest].left = size_;
+      parts_[size_++] = {child, 0};
+      parts_[size_++] = {child + 1, 0};
+    }
+    number(0);
+  }
+
+  int children() const { return children_; }
+  /// Index of the binary node that lane i stands for.
+  std::uint32_t child(int i) const { return child_[i]; }
+
+  /// The lanes as a direction of that octant meets them, the farthest in the lowest four bits.
+  std::uint32_t order(int octant) const {
+    std::uint32_t packed = 0;
+    int count = kWidth - children_;
+    for (int lane = children_; lane < kWidth; ++lane)
+      packed |= static_cast<std::uint32_t>(lane) << (4 * (lane - children_));
+    append_far_to_near(0, octant, packed, count);
+    return packed;
+  }
+
+ private:
+  struct Part {
+    std::uint32_t node;
+    int left;  ///< of the parts it was opened into, the other follows; 0 if it was not
+    int lane = -1;
+  };
+
+  const BinaryNode& node(int part) const { return nodes_[parts_[part].node]; }
+
+  void number(int part) {
+    if (parts_[part].left == 0) {
+      parts_[part].lane = children_;
+      child_[children_++] = parts_[part].node;
+      return;
+    }
+    number(parts_[part].left);
+    number(parts_[part].left + 1);
+  }
+
+  void append_far_to_near(int part, int octant, std::uint32_t& packed, int& count) const {
+    const Part& p = parts_[part];
+    if (p.left == 0) {
+      packed |= static_cast<std::uint32_t>(p.lane) << (4 * count++);
+      return;
+    }
+    // Along the axis on which the two are farthest apart.
+    const BinaryNode& a = node(p.left);
+    const BinaryNode& b = node(p.left + 1);
+    const vec3 apart = (b.lower - a.lower) + (b.upper - a.upper);
+    const vec3 size = glm::abs(apart);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    const bool a_is_nearer = (apart[axis] >= 0.0f) == ((octant >> axis & 1) == 0);
+    append_far_to_near(p.left + (a_is_nearer ? 1 : 0), octant, packed, count);
+    append_far_to_near(p.left + (a_is_nearer ? 0 : 1), octant, packed, count);
+  }
+
+  const BinaryNode* nodes_;
+  std::array<Part, 2 * kWidth - 1> parts_;
+  int size_ = 0;
+  std::array<std::uint32_t, kWidth> child_;
+  int children_ = 0;
+};
+
+/// Where the children of a wide node go: inner ones and blocks are numbered through, siblings side by side.
+struct Plan {
+  std::uint32_t binary;
+  std::uint32_t first_node;
+  std::uint32_t first_block;
+};
+
+class Widener {
+ public:
+  Widener(const Geometry& geometry, BinaryTree&& binary) : geometry_(geometry), binary_(std::move(binary)) {}
+
+  WideTree run() {
+    if (binary_.primitives.empty()) return std::move(tree_);
+    const BinaryNode& root = binary_.nodes[0];
+    if (root.is_leaf()) {
+      tree_.depth = 1;
+      tree_.sah_cost = 1.0;
+      tree_.root = leaf_ref(root, block_count_);
+    } else {
+      plan();
+      tree_.root = make_ref(RefKind::node, 0);
+    }
+    fill();
+    return std::move(tree_);
+  }
+
+ private:
+  bool is_sphere(const BinaryNode& leaf) const {
+    return geometry_.is_sphere(binary_.primitives[leaf.first].geometry);
+  }
+
+  Ref leaf_ref(const BinaryNode& leaf, std::uint32_t& next_block) const {
+    return is_sphere(leaf) ? make_ref(RefKind::sphere, leaf.first) : make_ref(RefKind::triangles, next_block++);
+  }
+
+  /// Numbers nodes and blocks, those that are near each other in the tree near each other in memory.
+  void plan() {
+    struct Entry {
+      std::uint32_t wide;
+      int depth;
+    };
+    plans_.push_back({0, 0, 0});
+    std::vector<Entry> stack{{0, 1}};
+    double area = 0.0;
+    while (!stack.empty()) {
+      const auto [wide, depth] = stack.back();
+      stack.pop_back();
+      Plan& plan = plans_[wide];
+      area += half_area(binary_.nodes[plan.binary]);
+      tree_.depth = std::max(tree_.depth, depth + 1);
+      const Treelet treelet(binary_.nodes.get(), plan.binary);
+      plan.first_node = static_cast<std::uint32_t>(plans_.size());
+      plan.first_block = block_count_;
+      const auto first_entry = static_cast<std::ptrdiff_t>(stack.size());
+      for (int i = 0; i < treelet.children(); ++i) {
+        const BinaryNode& child = binary_.nodes[treelet.child(i)];
+        if (child.is_leaf()) {
+          area += half_area(child);
+          leaf_ref(child, block_count_);
+        } else {
+          stack.push_back({static_cast<std::uint32_t>(plans_.size()), depth + 1});
+          plans_.push_back({treelet.child(i), 0, 0});
+        }
+      }
+      std::reverse(stack.begin() + first_entry, stack.end());
+    }
+    RAYLAB_CHECK(tree_.depth <= kMaxDepth);
+    const double root_area = half_area(binary_.nodes[0]);
+    tree_.sah_cost = root_area > 0.0 ? area / root_area : 0.0;
+  }
+
+  void fill() {
+    tree_.nodes.resize(plans_.size());
+    tree_.blocks.resize(std::max<std::size_t>(block_count_, ref_kind(tree_.root) == RefKind::triangles ? 1 : 0));
+    constexpr std::size_t kChunk = 256;
+    parallel_for((plans_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      const std::size_t end = std::min(plans_.size(), (chunk + 1) * kChunk);
+      for (std::size_t i = chunk * kChunk; i < end; ++i) fill_node(plans_[i], tree_.nodes[i]);
+    });
+    if (ref_kind(tree_.root) == RefKind::triangles) fill_block(binary_.nodes[0], tree_.blocks[0]);
+    tree_.ids.reserve(binary_.primitives.size());
+    for (const Primitive& p : binary_.primitives) tree_.ids.push_back(p.id());
+  }
+
+  void fill_node(const Plan& plan, Node<kWidth>& node) {
+    const Treelet treelet(binary_.nodes.get(), plan.binary);
+    std::uint32_t next_node = plan.first_node;
+    std::uint32_t next_block = plan.first_block;
+    for (int lane = 0; lane < kWidth; ++lane) {
+      if (lane >= treelet.children()) {
+        for (int axis = 0; axis < 3; ++axis) {
+          node.planes[2 * axis][lane] = kInfinity;
+          node.planes[2 * axis + 1][lane] = -kInfinity;
+        }
+        node.child[lane] = make_ref(RefKind::end, 0);
+        continue;
+      }
+      const BinaryNode& child = binary_.nodes[treelet.child(lane)];
+      for (int axis = 0; axis < 3; ++axis) {
+        node.planes[2 * axis][lane] = child.lower[axis];
+        node.planes[2 * axis + 1][lane] = child.upper[axis];
+      }
+      if (child.is_leaf()) {
+        node.child[lane] = leaf_ref(child, next_block);
+        if (!is_sphere(child)) fill_block(child, tree_.blocks[ref_index(node.child[lane])]);
+      } else {
+        node.child[lane] = make_ref(RefKind::node, next_node++);
+      }
+    }
+    for (int octant = 0; octant < 8; ++octant) node.order[octant][0] = treelet.order(octant);
+  }
+
+  void fill_block(const BinaryNode& leaf, TriangleBlock& block) const {
+    block = {};
+    block.first = leaf.first;
+    block.lanes = (1u << leaf.count) - 1;
+    std::array<std::uint64_t, kBlockSize> vertices;
+    std::size_t count = 0;
+    for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
+      const Primitive& p = binary_.primitives[leaf.first + lane];
+      const TriangleMesh& mesh = geometry_.meshes[p.geometry];
+      const uvec3& corners = mesh.triangles[p.primitive];
+      for (int c = 0; c < 3; ++c) {
+        const std::uint64_t vertex = static_cast<std::uint64_t>(p.geometry) << 32 | corners[c];
+        const auto known = vertices.begin() + static_cast<std::ptrdiff_t>(count);
+        const auto slot = static_cast<std::size_t>(std::find(vertices.begin(), known, vertex) - vertices.begin());
+        if (slot == count) {
+          RAYLAB_CHECK(count < kBlockSize);
+          vertices[count++] = vertex;
+          for (int axis = 0; axis < 3; ++axis) block.position[axis][slot] = mesh.positions[corners[c]][axis];
+        }
+        block.corner[c][lane] = static_cast<std::uint8_t>(slot);
+      }
+    }
+  }
+
+  const Geometry& geometry_;
+  BinaryTree binary_;
+  WideTree tree_;
+  std::vector<Plan> plans_;
+  std::uint32_t block_count_ = 0;
+};
+
+}  // namespace
+
+std::size_t WideTree::bytes() const {
+  return nodes.capacity() * sizeof(nodes[0]) + blocks.capacity() * sizeof(blocks[0]) +
+         ids.capacity() * sizeof(ids[0]);
+}
+
+WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
+  return Widener(geometry, build_binary_tree(geometry, quality)).run();
+}
+
+}  // namespace raylab::bvh
