@@ -12,8 +12,8 @@ namespace {
 
 /// Power over pi of an emitter of unit luminance.
 double triangle_power(const Triangle& t) {
-  const vec3 n = glm::cross(t.p1 - t.p0, t.p2 - t.p0);
-  return glm::length(n);  // two sides of half |n| each
+  // In double: the square of a product of two edges soon leaves the range of float.
+  return glm::length(glm::cross(dvec3(t.p1 - t.p0), dvec3(t.p2 - t.p0)));  // two sides, each half of it
 }
 double sphere_power(const Sphere& s) {
   return 4.0 * static_cast<double>(kPi) * static_cast<double>(s.radius) * static_cast<double>(s.radius);
