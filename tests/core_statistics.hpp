@@ -9,7 +9,8 @@ namespace raylab::test {
 
 /// Chi-square test of counts against their expectations (the same total): by how many standard deviations the
 /// statistic lies above what chance gives, after Wilson and Hilferty 1931. Cells that expect fewer than 10 are
-/// taken together. Infinity where something was counted that cannot happen.
+/// taken together. Infinity where much was counted that
+/// hardly can happen.
 inline double chi_square_z(const std::vector<double>& counted, const std::vector<double>& expected) {
   constexpr double kSmallest = 10.0;
   double statistic = 0.0, pooled_count = 0.0, pooled_expected = 0.0;
@@ -19,7 +20,6 @@ inline double chi_square_z(const std::vector<double>& counted, const std::vector
     ++cells;
   };
   for (std::size_t i = 0; i < counted.size(); ++i) {
-    if (!(expected[i] > 0.0) && counted[i] > 0.0) return std::numeric_limits<double>::infinity();
     if (expected[i] >= kSmallest) {
       add(counted[i], expected[i]);
     } else {
@@ -27,7 +27,11 @@ inline double chi_square_z(const std::vector<double>& counted, const std::vector
       pooled_expected += expected[i];
     }
   }
-  if (pooled_expected >= 1.0) add(pooled_count, pooled_expected);
+  if (pooled_expected >= 1.0) {
+    add(pooled_count, pooled_expected);
+  } else if (pooled_count > kSmallest) {
+    return std::numeric_limits<double>::infinity();
+  }
   const double k = cells - 1;
   if (!(k >= 1.0)) return 0.0;
   const double spread = 2.0 / (9.0 * k);
