@@ -140,6 +140,10 @@ TEST_CASE("a mesh of one material stores no index for each triangle", "[unit]") 
   const OneMaterial one("Kd 1 0 0\n");
   CHECK(one.read.mesh_materials.per_triangle.empty());
   CHECK(one.read.materials.size() == 1);
+  // Nor when several names mean the same.
+  const ObjMesh unknown = one.folder.obj("usemtl x\n" + kTriangle + "usemtl y\nf 1 2 3\n");
+  CHECK(unknown.mesh_materials.per_triangle.empty());
+  CHECK(unknown.warnings.size() == 2);
 }
 
 TEST_CASE("names of materials and of MTL files may hold spaces", "[unit]") {
