@@ -113,6 +113,21 @@ def render(scene, seed: int, spp: int, pixels: int):
     return total, time.perf_counter() - start
 
 
+def warm_up(scene, seed: int, spp: int, pixels: int, is_vectorised: bool):
+    """Picture, seconds, and of these the seconds in which kernels were generated and compiled, or None. Kernels that
+    Dr.Jit keeps on disk from an earlier run cost next to nothing."""
+    import drjit
+
+    if not is_vectorised:
+        return *render(scene, seed, spp, pixels), None
+    with drjit.scoped_set_flag(drjit.JitFlag.KernelHistory, True):
+        drjit.kernel_history_clear()
+        picture, seconds = render(scene, seed, spp, pixels)
+        history = drjit.kernel_history()
+    spent = sum(kernel.get("codegen_time", 0.0) + kernel.get("backend_time", 0.0) for kernel in history)
+    return picture, seconds, spent / 1000.0
+
+
 def mean_and_error(pictures):
     """Mean of each channel over all pictures and pixels, and its standard error from the spread of each pixel. Under
     a box filter pixels are independent."""
@@ -155,7 +170,9 @@ def main():
         fail(str(error))
 
     # The warm-up has a seed of its own, so that its picture can serve for the mean.
-    picture, warm_up_seconds = render(scene, arguments.seed + arguments.repeats, spp, width * height)
+    is_vectorised = arguments.variant.startswith("llvm")
+    picture, warm_up_seconds, compile_seconds = warm_up(
+        scene, arguments.seed + arguments.repeats, spp, width * height, is_vectorised)
     pictures, times = [picture], []
     for repeat in range(arguments.repeats):
         picture, seconds = render(scene, arguments.seed + repeat, spp, width * height)
@@ -179,6 +196,7 @@ def main():
         "seed": arguments.seed,
         "seconds": {"median": median, "min": min(times), "max": max(times)},
         "warm_up_seconds": warm_up_seconds,
+        "compile_seconds": compile_seconds,
         "mpaths_per_second": width * height * spp / median * 1e-6,
         "mean": mean.tolist(),
         "mean_standard_error": error.tolist(),
@@ -186,7 +204,8 @@ def main():
     print(f"{row['scene']}: Mitsuba {row['version']} {row['variant']}, {width} x {height}, {spp} spp, "
           f"{max_depth} segments, {arguments.threads} threads")
     print(f"  {median:.3f} s, median of {len(times)} ({min(times):.3f} to {max(times):.3f}), "
-          f"{row['mpaths_per_second']:.3f} Mpaths/s; warm-up with compilation {warm_up_seconds:.3f} s")
+          f"{row['mpaths_per_second']:.3f} Mpaths/s; apart from that a warm-up of {warm_up_seconds:.3f} s"
+          + (f", {compile_seconds:.3f} s of it compiling" if compile_seconds is not None else ""))
     print("  mean " + "  ".join(f"{name} {m:.6f} ± {e:.6f}" for name, m, e in zip("RGB", mean, error)))
     if not numpy.isfinite(mean).all():
         print("  some pixels are not finite", file=sys.stderr)

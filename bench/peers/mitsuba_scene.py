@@ -58,6 +58,8 @@ class SceneExport:
             raise InputError(f"no {error} in the scene file or a file that it names") from error
         except OSError as error:
             raise InputError(f"{error.filename}: {error.strerror}") from error
+        except RuntimeError as error:  # Mitsuba's own: a picture that is missing or damaged
+            raise InputError(str(error)) from error
         self.objects["sensor"] = self._sensor(width, height)
         self.objects["integrator"] = {"type": "path", "max_depth": max_depth, "rr_depth": rr_depth}
         return mi.load_dict(self.objects)
@@ -263,7 +265,11 @@ def _on_envmap_grid(texels: np.ndarray) -> np.ndarray:
     """Mitsuba's envmap has its first and last row at the poles, Raylab's picture has texels of equal height; and the
     middle of Raylab's picture looks along -z, Mitsuba's along +z. Fine enough that interpolation changes little."""
     height, width = texels.shape[:2]
-    finer = max(2, min(8, 8192 // width))
-    rows = np.minimum((np.linspace(0.0, 1.0, finer * height + 1) * height).astype(int), height - 1)
+    finer = max(2, min(32, 8192 // width))
+    # Rows of the grid lie on the texels' borders too: there the mean of both keeps the border in its place.
+    position = np.arange(finer * height + 1) / finer
+    above = np.maximum(np.ceil(position).astype(int) - 1, 0)
+    below = np.minimum(np.floor(position).astype(int), height - 1)
+    rows = 0.5 * (texels[above] + texels[below])
     columns = np.roll(np.repeat(np.arange(width), finer), finer * width // 2)
-    return np.ascontiguousarray(texels[rows][:, columns], dtype=np.float32)
+    return np.ascontiguousarray(rows[:, columns], dtype=np.float32)
