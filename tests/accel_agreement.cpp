@@ -122,6 +122,10 @@ TEST_CASE("the ends of the interval are open in every accelerator", "[unit]") {
       CHECK_FALSE(accelerator->occluded(ray(2.000001f, 2.5f)));
       CHECK_FALSE(accelerator->occluded(ray(2.5f, 1.5f)));
       CHECK_FALSE(accelerator->intersect(ray(2.5f, 1.5f)));
+      if (x == 0.0f) continue;
+      // Spheres are no one's but ours: exact to the last float.
+      CHECK(accelerator->occluded(ray(0.0f, next_float_up(2.0f))));
+      CHECK(accelerator->occluded(ray(next_float_down(2.0f), 2.5f)));
     }
   }
 }

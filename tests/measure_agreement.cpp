@@ -66,11 +66,33 @@ TEST_CASE("planted misses, hits, wrong distances and wrong occlusion are each fo
   CHECK(report.agrees());
   CHECK(report.t_error_ulp.p50 == 8.0);
 
+  const auto rename = [](const Ray&, std::optional<Hit> h) {
+    if (h) h->geometry = 1;  // the spheres, of which there are none
+    return h;
+  };
+  report = compare_hits(Liar(*judge, rename), *judge, geometry, rays);
+  CHECK(report.wrong_primitives.count == 2);
+
   const auto truth = [](const Ray&, std::optional<Hit> h) { return h; };
   report = compare_hits(Liar(*judge, truth, true), *judge, geometry, rays);
   CHECK(report.occlusion.count == 1);
   CHECK_FALSE(report.agrees());
   CHECK(compare_hits(*judge, *judge, geometry, rays).agrees());
+}
+
+TEST_CASE("of two triangles that coincide either may be named, but no third", "[unit]") {
+  Geometry geometry = one_triangle();
+  geometry.meshes[0].triangles = {{0, 1, 2}, {0, 1, 2}, {3, 4, 5}};
+  for (int k = 0; k < 3; ++k)
+    geometry.meshes[0].positions.push_back(geometry.meshes[0].positions[k] + vec3(0, 0, 1));
+  const auto judge = make_accelerator("list", geometry);
+  for (const std::uint32_t named : {0u, 1u, 2u}) {
+    const Liar tested(*judge, [named](const Ray&, std::optional<Hit> h) {
+      if (h) h->primitive = named;
+      return h;
+    });
+    CHECK(compare_hits(tested, *judge, geometry, std::span(&kThrough, 1)).agrees() == (named != 2));
+  }
 }
 
 TEST_CASE("what happens within 8 ulp of an outline or an end of the interval is undecided", "[unit]") {

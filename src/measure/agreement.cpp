@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "raylab/core/parallel.hpp"
+#include "raylab/geometry/primitive_test.hpp"
 
 namespace raylab {
 
@@ -59,6 +60,23 @@ bool is_doubtful(const Ray& ray, const Geometry& geometry, const Hit& hit) {
   return t - ray.t_min <= slack || ray.t_max - t <= slack;
 }
 
+/// Whether the primitive that a hit names is there, at the t it gives: of two that coincide either will do.
+bool is_where_it_says(const Ray& ray, const Geometry& geometry, const Hit& hit) {
+  const PrimitiveId id{hit.geometry, hit.primitive};
+  if (id.geometry > geometry.sphere_geometry()) return false;
+  const bool is_sphere = geometry.is_sphere(id.geometry);
+  const std::size_t count = is_sphere ? geometry.spheres.size() : geometry.meshes[id.geometry].triangles.size();
+  if (id.primitive >= count) return false;
+  if (is_sphere ? !is_valid_sphere(geometry.spheres[id.primitive])
+                : !is_valid_triangle(geometry.meshes[id.geometry], id.primitive)) {
+    return false;
+  }
+  if (distance_to_outline(ray, geometry, id) <= tolerance(ray, geometry, id)) return true;
+  const auto slack = static_cast<float>(t_tolerance(ray, geometry, hit));
+  const PrimitiveTest<Intersector::watertight> test(ray);
+  return test(geometry, id, hit.t - 2.0f * slack, hit.t + 2.0f * slack).has_value();
+}
+
 void add(Finding& finding, const Disagreement& d) {
   if (finding.count++ == 0) finding.first = d;
 }
@@ -88,6 +106,9 @@ void compare(const Accelerator& tested, const Accelerator& judge, const Geometry
     const double error = std::abs(static_cast<double>(d.tested->t) - d.judged->t);
     if (d.tested->primitive == d.judged->primitive && d.tested->geometry == d.judged->geometry) {
       partial.t_errors.push_back(error / ulp(d.judged->t));
+    } else if (!is_where_it_says(ray, geometry, *d.tested)) {
+      add(report.wrong_primitives, d);
+      return;
     }
     if (error <= t_tolerance(ray, geometry, *d.judged)) return;
   }

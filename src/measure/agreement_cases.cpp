@@ -60,7 +60,7 @@ std::vector<AgreementCase> agreement_cases(std::uint64_t seed) {
   add("triangles", {{soup}, {}});
   add("closed mesh", {{ball}, {}});
   add("spheres", {{}, spheres});
-  add("meshes and spheres", {{soup, ball}, spheres});
+  add("meshes and spheres", {{TriangleMesh{}, soup, ball}, spheres});
 
   TriangleMesh copies = triangle_soup(1, 0.1f, 1.0f, seed);
   copies.triangles.resize(300, copies.triangles[0]);

@@ -39,8 +39,9 @@ struct AgreementReport {
   std::size_t hits = 0;  ///< of the judge
   Finding false_misses;
   Finding false_hits;
-  Finding wrong_primitives;  ///< both hit; along the normal the points are more than 8 ulp apart
-  Finding occlusion;         ///< occluded() of the tested one is not what its own intersect() says
+  /// Both hit, but the points are more than 8 ulp apart along the normal, or the primitive named is not there.
+  Finding wrong_primitives;
+  Finding occlusion;  ///< occluded() of the tested one is not what its own intersect() says
   std::size_t undecided = 0;
   UlpError t_error_ulp;  ///< where both hit the same primitive
 
