@@ -201,6 +201,8 @@ TEST_CASE("films of parts of the samples add up to the film of all", "[unit][ima
   sum.clear();
   CHECK(sum.samples(1, 1) == 0);
   CHECK(sum.mean(1, 1) == Rgb(0.0f));
+  sum.add(1, 1, Rgb(2.0f));
+  CHECK(sum.mean(1, 1) == Rgb(2.0f));
 }
 
 TEST_CASE("a film of a window is added at its place in a larger one", "[unit][image]") {
