@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <vector>
 
 #include "layout.hpp"
 #include "raylab/core/check.hpp"
@@ -107,7 +108,7 @@ class Builder {
     const auto count = static_cast<std::uint32_t>(tree_.primitives.size());
     if (count == 0) return;
     RAYLAB_CHECK(tree_.primitives.size() <= kLargestRefIndex);
-    tree_.nodes.reset(new BinaryNode[2 * static_cast<std::size_t>(count) - 1]);  // touched only where used
+    tree_.nodes = HugeArray<BinaryNode>(2 * static_cast<std::size_t>(count) - 1);  // touched only where used
     Range all{0, count, {}, {}};
     for (const Primitive& p : tree_.primitives) {
       all.bounds.extend(p);
@@ -145,8 +146,8 @@ class Builder {
         total += count;
       }
     }
-    std::vector<Primitive>& primitives = tree_.primitives;
-    primitives.resize(total);
+    tree_.primitives = HugeArray<Primitive>(total);
+    HugeArray<Primitive>& primitives = tree_.primitives;
     parallel_for(chunks.size(), [&](std::size_t c) {
       Chunk& chunk = chunks[c];
       Primitive* out = primitives.data() + chunk.target;
@@ -158,12 +159,11 @@ class Builder {
     std::size_t valid = 0;
     for (const Chunk& chunk : chunks) {
       if (valid != chunk.target) {
-        std::copy_n(primitives.begin() + static_cast<std::ptrdiff_t>(chunk.target), chunk.valid,
-                    primitives.begin() + static_cast<std::ptrdiff_t>(valid));
+        std::copy_n(primitives.begin() + chunk.target, chunk.valid, primitives.begin() + valid);
       }
       valid += chunk.valid;
     }
-    primitives.resize(valid);
+    primitives.shrink(valid);
   }
 
   bool make_primitive(const PrimitiveId& id, Primitive& out) const {

@@ -1,9 +1,8 @@
 #pragma once
 // The binary tree over all primitives, before it is made wide.
 #include <cstdint>
-#include <memory>
-#include <vector>
 
+#include "huge_array.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/bounds.hpp"
 
@@ -39,8 +38,8 @@ float half_area(const Box& box) {
 }
 
 struct BinaryTree {
-  std::vector<Primitive> primitives;    ///< the valid ones, in the order of the leaves
-  std::unique_ptr<BinaryNode[]> nodes;  ///< the root first; none without primitives
+  HugeArray<Primitive> primitives;  ///< the valid ones, in the order of the leaves
+  HugeArray<BinaryNode> nodes;      ///< the root first; none without primitives
 };
 
 /// The tree does not depend on the number of threads. A leaf is one sphere, or triangles that fit a

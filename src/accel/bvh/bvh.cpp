@@ -127,12 +127,12 @@ class Bvh final : public Accelerator {
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
     context_.ids = tree_.ids.data();
-    view_ = {tree_.nodes.data(), tree_.blocks.data(), tree_.root, &context_};
+    view_ = {tree_.items.data(), tree_.root, &context_};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.ids.size();
     report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
-    report_.nodes = tree_.nodes.size();
+    report_.nodes = tree_.nodes;
     report_.depth = tree_.depth;
     report_.sah_cost = tree_.sah_cost;
     report_.isa = kernel_.isa;

@@ -24,8 +24,7 @@ struct KernelHit {
 
 /// The tree as the traversal sees it.
 struct TreeView {
-  const void* nodes;  ///< Node<width>, of the width of the kernel
-  const TriangleBlock* blocks;
+  const Item* items;
   Ref root;
   const void* context;  ///< for the functions below
 };

@@ -6,10 +6,11 @@
 
 namespace raylab::bvh {
 
-/// What a 32-bit reference points at: the low two bits say what, the others which one.
+/// What a 32-bit reference points at: the low two bits say what, the others which one. Nodes and blocks are items
+/// of one array.
 enum class RefKind : std::uint32_t {
-  node = 0,       ///< inner node
-  triangles = 1,  ///< TriangleBlock
+  node = 0,       ///< inner node, by item
+  triangles = 1,  ///< TriangleBlock, by item
   sphere = 2,     ///< a primitive, by its place in the order of the tree
   end = 3,        ///< nothing: the bottom of the traversal stack
 };
@@ -24,12 +25,11 @@ constexpr std::uint32_t ref_index(Ref ref) { return ref >> 2; }
 /// Inner node: the boxes of up to `width` children, one array a plane.
 template <int width>
 struct alignas(64) Node {
-  using Order = std::uint32_t;
   /// Lower x, upper x, lower y, upper y, lower z, upper z. An unused lane holds an inside-out infinite box.
   float planes[6][width];
   Ref child[width];
-  /// For each octant of directions (bit a set: component a is negative) the lanes from the farthest to the
-  /// nearest child, four bits each, the farthest in the lowest.
+  /// For each octant of directions (bit a set: component a is negative) the lanes from the nearest to the
+  /// farthest child, four bits each, the nearest in the lowest.
   std::uint32_t order[8][width / 8];
 };
 static_assert(sizeof(Node<8>) == 256 && sizeof(Node<16>) == 512);
@@ -45,13 +45,18 @@ struct alignas(64) TriangleBlock {
   std::uint32_t first;  ///< place of lane 0 in the order of the tree; the lanes follow, their ids ascending
   std::uint32_t lanes;  ///< bit i set: lane i is a triangle
 };
-static_assert(sizeof(TriangleBlock) == 256);
+
+/// A node or a block.
+struct alignas(64) Item {
+  unsigned char bytes[256];
+};
+static_assert(sizeof(TriangleBlock) == sizeof(Item) && sizeof(Node<8>) == sizeof(Item));
 
 /// Bound of the depth of any tree, in inner nodes of two children; a wide tree over it is no deeper.
 inline constexpr int kMaxDepth = 80;
 
-/// Entries the traversal stack can need: all siblings along a path, the sentinel, and a whole vector more,
-/// since vectors are stored whole.
-constexpr int stack_size(int width) { return kMaxDepth * (width - 1) + 1 + width; }
+/// Entries the traversal stack can need: all siblings along a path, the sentinel, and since vectors are stored
+/// whole a vector more.
+constexpr int stack_size(int width) { return kMaxDepth * (width - 1) + 2 * width; }
 
 }  // namespace raylab::bvh

@@ -32,6 +32,9 @@ struct Float8 {
 
 using Float16 = Pair<Float8>;
 
+/// Whether the distances of all lanes of a block cost no more than that of one or two.
+constexpr bool kDividesAllLanes = false;
+
 /// Which vertex each lane takes.
 struct Lookup16 {
   __m256i index[2];
@@ -49,12 +52,12 @@ struct Lookup16 {
   }
 };
 
-/// For each mask its set bits, ascending, four bits each.
+/// For each mask its set bits, descending, four bits each.
 constexpr std::array<std::uint32_t, 256> make_compress_table() {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t mask = 0; mask < 256; ++mask) {
     std::uint32_t packed = 0, count = 0;
-    for (std::uint32_t bit = 0; bit < 8; ++bit) {
+    for (std::uint32_t bit = 8; bit-- > 0;) {
       if (mask >> bit & 1u) packed |= bit << (4 * count++);
     }
     table[mask] = packed;
@@ -68,13 +71,15 @@ inline __m256i unpack_lanes(std::uint32_t packed) {
                            _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
 }
 
-/// Puts the lanes with near <= far on the stack, the last in the order on top; returns how many.
+/// Finds the lanes with near <= far. Gives the first of them in the order as `next`, and puts the others on the
+/// stack, the last one at the bottom; returns how many lanes there are, of which `next` is one.
 inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
-                        Ref* refs) {
+                        Ref* refs, Ref& next) {
   const __m256i lane = unpack_lanes(*order);
   const __m256 sorted_near = _mm256_permutevar8x32_ps(near.v, lane);
   const __m256 sorted_far = _mm256_permutevar8x32_ps(far.v, lane);
   const std::uint32_t hit = Float8::bits(_mm256_cmp_ps(sorted_near, sorted_far, _CMP_LE_OQ));
+  next = child[*order >> 4 * __builtin_ctz(hit | 0x80u) & 7u];
   const __m256i kept = unpack_lanes(kCompress[hit]);
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_ps(distances, _mm256_permutevar8x32_ps(sorted_near, kept));
@@ -82,8 +87,10 @@ inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::ui
                       _mm256_permutevar8x32_epi32(_mm256_permutevar8x32_epi32(all, lane), kept));
   return __builtin_popcount(hit);
 }
-inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs) {
+/// The same without an order.
+inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& next) {
   const std::uint32_t hit = Float8::bits(_mm256_cmp_ps(near.v, far.v, _CMP_LE_OQ));
+  next = child[__builtin_ctz(hit | 0x80u)];
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
                       _mm256_permutevar8x32_epi32(all, unpack_lanes(kCompress[hit])));

@@ -37,6 +37,9 @@ struct Float16 {
   friend std::uint32_t equal(Float16 a, Float16 b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ); }
 };
 
+/// Whether the distances of all lanes of a block cost no more than that of one or two.
+constexpr bool kDividesAllLanes = true;
+
 /// Which vertex each lane takes.
 struct Lookup16 {
   __m512i index;
@@ -45,45 +48,33 @@ struct Lookup16 {
   Float16 operator()(Float16 table) const { return {_mm512_permutexvar_ps(index, table.v)}; }
 };
 
-/// Puts the lanes with near <= far on the stack, the last in the order on top; returns how many.
+/// Finds the lanes with near <= far. Gives the first of them in the order as `next`, and puts the others on the
+/// stack, the last one at the bottom; returns how many lanes there are, of which `next` is one.
 inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
-                        Ref* refs) {
-  const __m256i lane = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(*order)),
-                                         _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+                        Ref* refs, Ref& next) {
+  const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i lane = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(*order)), _mm256_slli_epi32(iota, 2));
+  const __m256i all = _mm256_permutexvar_epi32(lane, _mm256_load_si256(reinterpret_cast<const __m256i*>(child)));
   const __m256 sorted_near = _mm256_permutexvar_ps(lane, near.v);
   const __m256 sorted_far = _mm256_permutexvar_ps(lane, far.v);
-  const __m256i sorted_child =
-      _mm256_permutexvar_epi32(lane, _mm256_load_si256(reinterpret_cast<const __m256i*>(child)));
   const __mmask8 hit = _mm256_cmp_ps_mask(sorted_near, sorted_far, _CMP_LE_OQ);
-  _mm256_storeu_ps(distances, _mm256_maskz_compress_ps(hit, sorted_near));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_maskz_compress_epi32(hit, sorted_child));
-  return __builtin_popcount(hit);
+  const __m256i kept = _mm256_maskz_compress_epi32(hit, all);
+  next = static_cast<Ref>(_mm256_cvtsi256_si32(kept));
+  const int count = __builtin_popcount(hit);
+  const __m256i reversed = _mm256_sub_epi32(_mm256_set1_epi32(count - 1), iota);
+  _mm256_storeu_ps(distances,
+                   _mm256_permutexvar_ps(reversed, _mm256_maskz_compress_ps(hit, sorted_near)));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_permutexvar_epi32(reversed, kept));
+  return count;
 }
-inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs) {
+/// The same without an order.
+inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& next) {
   const __mmask8 hit = _mm256_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
-  const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_maskz_compress_epi32(hit, all));
-  return __builtin_popcount(hit);
-}
-
-inline int push_ordered(Float16 near, Float16 far, const Ref* child, const std::uint32_t* order, float* distances,
-                        Ref* refs) {
-  const __m512i shifts = _mm512_setr_epi64(0, 4, 8, 12, 16, 20, 24, 28);
-  const __m512i low = _mm512_srlv_epi64(_mm512_set1_epi64(order[0]), shifts);
-  const __m512i high = _mm512_srlv_epi64(_mm512_set1_epi64(order[1]), shifts);
-  const __m512i lane =
-      _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi64_epi32(low)), _mm512_cvtepi64_epi32(high), 1);
-  const __m512 sorted_near = _mm512_permutexvar_ps(lane, near.v);
-  const __m512 sorted_far = _mm512_permutexvar_ps(lane, far.v);
-  const __m512i sorted_child = _mm512_permutexvar_epi32(lane, _mm512_load_si512(child));
-  const __mmask16 hit = _mm512_cmp_ps_mask(sorted_near, sorted_far, _CMP_LE_OQ);
-  _mm512_storeu_ps(distances, _mm512_maskz_compress_ps(hit, sorted_near));
-  _mm512_storeu_si512(refs, _mm512_maskz_compress_epi32(hit, sorted_child));
-  return __builtin_popcount(hit);
-}
-inline int push_any(Float16 near, Float16 far, const Ref* child, Ref* refs) {
-  const __mmask16 hit = _mm512_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
-  _mm512_storeu_si512(refs, _mm512_maskz_compress_epi32(hit, _mm512_load_si512(child)));
+  const __m256i kept =
+      _mm256_maskz_compress_epi32(hit, _mm256_load_si256(reinterpret_cast<const __m256i*>(child)));
+  next = static_cast<Ref>(_mm256_cvtsi256_si32(kept));
+  // All but the first.
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_alignr_epi32(kept, kept, 1));
   return __builtin_popcount(hit);
 }
 

@@ -31,6 +31,9 @@ struct Float4 {
 using Float8 = Pair<Float4>;
 using Float16 = Pair<Float8>;
 
+/// Whether the distances of all lanes of a block cost no more than that of one or two.
+constexpr bool kDividesAllLanes = false;
+
 /// Which vertex each lane takes. There is no permutation across so many lanes: it goes through memory.
 struct Lookup16 {
   const std::uint8_t* corner;
@@ -44,26 +47,29 @@ struct Lookup16 {
   }
 };
 
-/// Puts the lanes with near <= far on the stack, the last in the order on top; returns how many.
+/// Finds the lanes with near <= far. Gives the first of them in the order as `next`, and puts the others on the
+/// stack, the last one at the bottom; returns how many lanes there are, of which `next` is one.
 inline int push_ordered(const Float8& near, const Float8& far, const Ref* child, const std::uint32_t* order,
-                        float* distances, Ref* refs) {
+                        float* distances, Ref* refs, Ref& next) {
   const std::uint32_t hit = less_equal(near, far);
   alignas(16) float distance[8];
   near.store(distance);
   int count = 0;
-  std::uint32_t packed = *order;
-  for (int i = 0; i < 8; ++i, packed >>= 4) {  // written whether hit or not: cheaper than a wrong guess
-    const std::uint32_t lane = packed & 7u;
+  for (int i = 7; i >= 0; --i) {  // written whether hit or not: cheaper than a wrong guess
+    const std::uint32_t lane = *order >> (4 * i) & 7u;
     distances[count] = distance[lane];
     refs[count] = child[lane];
     count += static_cast<int>(hit >> lane & 1u);
   }
+  if (count > 0) next = refs[count - 1];
   return count;
 }
-inline int push_any(const Float8& near, const Float8& far, const Ref* child, Ref* refs) {
+/// The same without an order.
+inline int push_any(const Float8& near, const Float8& far, const Ref* child, Ref* refs, Ref& next) {
   std::uint32_t hit = less_equal(near, far);
   int count = 0;
   for (; hit != 0; hit &= hit - 1) refs[count++] = child[__builtin_ctz(hit)];
+  if (count > 0) next = refs[count - 1];
   return count;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "binary_tree.hpp"
 #include "raylab/core/check.hpp"
@@ -44,13 +45,12 @@ class Treelet {
   /// Index of the binary node that lane i stands for.
   std::uint32_t child(int i) const { return child_[i]; }
 
-  /// The lanes as a direction of that octant meets them, the farthest in the lowest four bits.
+  /// The lanes as a direction of that octant meets them, the nearest in the lowest four bits; unused lanes last.
   std::uint32_t order(int octant) const {
     std::uint32_t packed = 0;
-    int count = kWidth - children_;
-    for (int lane = children_; lane < kWidth; ++lane)
-      packed |= static_cast<std::uint32_t>(lane) << (4 * (lane - children_));
-    append_far_to_near(0, octant, packed, count);
+    int count = 0;
+    append_near_to_far(0, octant, packed, count);
+    for (int lane = children_; lane < kWidth; ++lane) append(lane, packed, count);
     return packed;
   }
 
@@ -73,12 +73,13 @@ class Treelet {
     number(parts_[part].left + 1);
   }
 
-  void append_far_to_near(int part, int octant, std::uint32_t& packed, int& count) const {
+  static void append(int lane, std::uint32_t& packed, int& count) {
+    packed |= static_cast<std::uint32_t>(lane) << (4 * count++);
+  }
+
+  void append_near_to_far(int part, int octant, std::uint32_t& packed, int& count) const {
     const Part& p = parts_[part];
-    if (p.left == 0) {
-      packed |= static_cast<std::uint32_t>(p.lane) << (4 * count++);
-      return;
-    }
+    if (p.left == 0) return append(p.lane, packed, count);
     // Along the axis on which the two are farthest apart.
     const BinaryNode& a = node(p.left);
     const BinaryNode& b = node(p.left + 1);
@@ -86,8 +87,8 @@ class Treelet {
     const vec3 size = glm::abs(apart);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const bool a_is_nearer = (apart[axis] >= 0.0f) == ((octant >> axis & 1) == 0);
-    append_far_to_near(p.left + (a_is_nearer ? 1 : 0), octant, packed, count);
-    append_far_to_near(p.left + (a_is_nearer ? 0 : 1), octant, packed, count);
+    append_near_to_far(p.left + (a_is_nearer ? 0 : 1), octant, packed, count);
+    append_near_to_far(p.left + (a_is_nearer ? 1 : 0), octant, packed, count);
   }
 
   const BinaryNode* nodes_;
@@ -97,11 +98,11 @@ class Treelet {
   int children_ = 0;
 };
 
-/// Where the children of a wide node go: inner ones and blocks are numbered through, siblings side by side.
+/// Where the children of a wide node go: they are numbered through, siblings side by side.
 struct Plan {
   std::uint32_t binary;
-  std::uint32_t first_node;
-  std::uint32_t first_block;
+  std::uint32_t item;
+  std::uint32_t first_child;  ///< item
 };
 
 class Widener {
@@ -114,12 +115,16 @@ class Widener {
     if (root.is_leaf()) {
       tree_.depth = 1;
       tree_.sah_cost = 1.0;
-      tree_.root = leaf_ref(root, block_count_);
+      tree_.root = child_ref(root, item_count_);
+      tree_.items = HugeArray<Item>(item_count_);
+      if (!is_sphere(root)) fill_block(root, *new (&tree_.items[0]) TriangleBlock());
     } else {
+      tree_.root = child_ref(root, item_count_);
       plan();
-      tree_.root = make_ref(RefKind::node, 0);
+      fill();
     }
-    fill();
+    tree_.ids = HugeArray<PrimitiveId>(binary_.primitives.size());
+    for (std::size_t i = 0; i < tree_.ids.size(); ++i) tree_.ids[i] = binary_.primitives[i].id();
     return std::move(tree_);
   }
 
@@ -128,8 +133,10 @@ class Widener {
     return geometry_.is_sphere(binary_.primitives[leaf.first].geometry);
   }
 
-  Ref leaf_ref(const BinaryNode& leaf, std::uint32_t& next_block) const {
-    return is_sphere(leaf) ? make_ref(RefKind::sphere, leaf.first) : make_ref(RefKind::triangles, next_block++);
+  /// The reference to a node of the tree, which becomes the next item unless it is a sphere.
+  Ref child_ref(const BinaryNode& node, std::uint32_t& next_item) const {
+    if (!node.is_leaf()) return make_ref(RefKind::node, next_item++);
+    return is_sphere(node) ? make_ref(RefKind::sphere, node.first) : make_ref(RefKind::triangles, next_item++);
   }
 
   /// Numbers nodes and blocks, those that are near each other in the tree near each other in memory.
@@ -147,44 +154,41 @@ class Widener {
       Plan& plan = plans_[wide];
       area += half_area(binary_.nodes[plan.binary]);
       tree_.depth = std::max(tree_.depth, depth + 1);
-      const Treelet treelet(binary_.nodes.get(), plan.binary);
-      plan.first_node = static_cast<std::uint32_t>(plans_.size());
-      plan.first_block = block_count_;
+      const Treelet treelet(binary_.nodes.data(), plan.binary);
+      plan.first_child = item_count_;
       const auto first_entry = static_cast<std::ptrdiff_t>(stack.size());
       for (int i = 0; i < treelet.children(); ++i) {
         const BinaryNode& child = binary_.nodes[treelet.child(i)];
+        const Ref ref = child_ref(child, item_count_);
         if (child.is_leaf()) {
           area += half_area(child);
-          leaf_ref(child, block_count_);
         } else {
           stack.push_back({static_cast<std::uint32_t>(plans_.size()), depth + 1});
-          plans_.push_back({treelet.child(i), 0, 0});
+          plans_.push_back({treelet.child(i), ref_index(ref), 0});
         }
       }
       std::reverse(stack.begin() + first_entry, stack.end());
     }
-    RAYLAB_CHECK(tree_.depth <= kMaxDepth);
+    RAYLAB_CHECK(tree_.depth <= kMaxDepth && item_count_ <= kLargestRefIndex);
+    tree_.nodes = plans_.size();
     const double root_area = half_area(binary_.nodes[0]);
     tree_.sah_cost = root_area > 0.0 ? area / root_area : 0.0;
   }
 
   void fill() {
-    tree_.nodes.resize(plans_.size());
-    tree_.blocks.resize(std::max<std::size_t>(block_count_, ref_kind(tree_.root) == RefKind::triangles ? 1 : 0));
+    tree_.items = HugeArray<Item>(item_count_);
     constexpr std::size_t kChunk = 256;
     parallel_for((plans_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
       const std::size_t end = std::min(plans_.size(), (chunk + 1) * kChunk);
-      for (std::size_t i = chunk * kChunk; i < end; ++i) fill_node(plans_[i], tree_.nodes[i]);
+      for (std::size_t i = chunk * kChunk; i < end; ++i) {
+        fill_node(plans_[i], *new (&tree_.items[plans_[i].item]) Node<kWidth>());
+      }
     });
-    if (ref_kind(tree_.root) == RefKind::triangles) fill_block(binary_.nodes[0], tree_.blocks[0]);
-    tree_.ids.reserve(binary_.primitives.size());
-    for (const Primitive& p : binary_.primitives) tree_.ids.push_back(p.id());
   }
 
   void fill_node(const Plan& plan, Node<kWidth>& node) {
-    const Treelet treelet(binary_.nodes.get(), plan.binary);
-    std::uint32_t next_node = plan.first_node;
-    std::uint32_t next_block = plan.first_block;
+    const Treelet treelet(binary_.nodes.data(), plan.binary);
+    std::uint32_t next_item = plan.first_child;
     for (int lane = 0; lane < kWidth; ++lane) {
       if (lane >= treelet.children()) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -199,18 +203,15 @@ class Widener {
         node.planes[2 * axis][lane] = child.lower[axis];
         node.planes[2 * axis + 1][lane] = child.upper[axis];
       }
-      if (child.is_leaf()) {
-        node.child[lane] = leaf_ref(child, next_block);
-        if (!is_sphere(child)) fill_block(child, tree_.blocks[ref_index(node.child[lane])]);
-      } else {
-        node.child[lane] = make_ref(RefKind::node, next_node++);
+      node.child[lane] = child_ref(child, next_item);
+      if (ref_kind(node.child[lane]) == RefKind::triangles) {
+        fill_block(child, *new (&tree_.items[ref_index(node.child[lane])]) TriangleBlock());
       }
     }
     for (int octant = 0; octant < 8; ++octant) node.order[octant][0] = treelet.order(octant);
   }
 
   void fill_block(const BinaryNode& leaf, TriangleBlock& block) const {
-    block = {};
     block.first = leaf.first;
     block.lanes = (1u << leaf.count) - 1;
     std::array<std::uint64_t, kBlockSize> vertices;
@@ -237,15 +238,12 @@ class Widener {
   BinaryTree binary_;
   WideTree tree_;
   std::vector<Plan> plans_;
-  std::uint32_t block_count_ = 0;
+  std::uint32_t item_count_ = 0;
 };
 
 }  // namespace
 
-std::size_t WideTree::bytes() const {
-  return nodes.capacity() * sizeof(nodes[0]) + blocks.capacity() * sizeof(blocks[0]) +
-         ids.capacity() * sizeof(ids[0]);
-}
+std::size_t WideTree::bytes() const { return items.bytes() + ids.bytes(); }
 
 WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
   return Widener(geometry, build_binary_tree(geometry, quality)).run();

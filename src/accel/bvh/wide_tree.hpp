@@ -1,17 +1,17 @@
 #pragma once
 // The tree that is traversed: wide nodes, and leaves laid out for vectors.
 #include <cstddef>
-#include <vector>
 
+#include "huge_array.hpp"
 #include "layout.hpp"
 #include "raylab/accel/accelerator.hpp"
 
 namespace raylab::bvh {
 
 struct WideTree {
-  std::vector<Node<8>> nodes;
-  std::vector<TriangleBlock> blocks;
-  std::vector<PrimitiveId> ids;  ///< by place in the order of the tree
+  HugeArray<Item> items;
+  std::size_t nodes = 0;  ///< of the items
+  HugeArray<PrimitiveId> ids;  ///< by place in the order of the tree
   Ref root = make_ref(RefKind::end, 0);
   int depth = 0;          ///< of the deepest leaf, the root being 1
   double sah_cost = 0.0;  ///< nodes, blocks and spheres a random ray that meets the root's box is tested against
