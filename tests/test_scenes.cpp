@@ -98,15 +98,19 @@ void add_quad(Scene& scene, const vec3& corner, const vec3& e1, const vec3& e2, 
 }
 
 void add_box(Scene& scene, const vec3& lower, const vec3& upper, const Material& material) {
-  const vec3 size = upper - lower;
-  for (int axis = 0; axis < 3; ++axis) {
-    vec3 e1(0.0f), e2(0.0f), along(0.0f);
-    e1[(axis + 1) % 3] = size[(axis + 1) % 3];
-    e2[(axis + 2) % 3] = size[(axis + 2) % 3];
-    along[axis] = size[axis];
-    add_quad(scene, lower, e2, e1, material);
-    add_quad(scene, lower + along, e1, e2, material);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    mesh.positions.push_back(
+        {(i & 1u) ? upper.x : lower.x, (i & 2u) ? upper.y : lower.y, (i & 4u) ? upper.z : lower.z});
+    mesh.texcoords.push_back({(i & 1u) ? 1.0f : 0.0f, (i & 2u) ? 1.0f : 0.0f});
   }
+  constexpr std::uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                          {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  for (const auto& f : kFaces) {
+    mesh.triangles.push_back({f[0], f[1], f[2]});
+    mesh.triangles.push_back({f[0], f[2], f[3]});
+  }
+  add_mesh(scene, std::move(mesh), material);
 }
 
 void add_sphere(Scene& scene, const vec3& center, float radius, const Material& material) {

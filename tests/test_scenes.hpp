@@ -26,7 +26,7 @@ void add_triangle(Scene& scene, const Triangle& triangle, const Material& materi
 /// The parallelogram corner, corner + e1, corner + e1 + e2, corner + e2; its normal is e1 x e2. Texture
 /// coordinates run from (0,0) to (1,1).
 void add_quad(Scene& scene, const vec3& corner, const vec3& e1, const vec3& e2, const Material& material);
-/// Six quads with their normals outwards.
+/// A closed box with its normals outwards.
 void add_box(Scene& scene, const vec3& lower, const vec3& upper, const Material& material);
 void add_sphere(Scene& scene, const vec3& center, float radius, const Material& material);
 /// A sphere of triangles, `rings` from pole to pole and twice as many around, with the sphere's normals at its

@@ -1,0 +1,128 @@
+// No length is built in: rooms of any size look the same, and nothing leaks where surfaces are close or normals
+// bent.
+#include <cmath>
+#include <string>
+
+#include "catch.hpp"
+#include "test_scenes.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+
+namespace {
+
+/// Share of the pixels that differ by more than a thousandth, and the ratio of the means.
+struct Difference {
+  double pixels = 0.0;
+  double mean_ratio = 0.0;
+};
+Difference compare(const Film& film, const Film& reference) {
+  Difference d;
+  for (int y = 0; y < film.height(); ++y) {
+    for (int x = 0; x < film.width(); ++x) {
+      const Rgb a = film.mean(x, y);
+      const Rgb b = reference.mean(x, y);
+      d.pixels += max_component(glm::abs(a - b)) > 1e-3f * (max_component(b) + 1e-3f);
+    }
+  }
+  d.pixels /= film.width() * film.height();
+  d.mean_ratio = mean_luminance(film).mean / mean_luminance(reference).mean;
+  return d;
+}
+
+/// Everything black but a light behind an opaque wall, and in front of the wall what `add` puts there.
+template <class Add>
+Scene hidden_light(const Add& add) {
+  Scene scene;
+  add_quad(scene, {-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, light(grey(100.0f)));
+  add_quad(scene, {-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, lambertian(grey(0.8f)));
+  add(scene);
+  look(scene, {0.3f, 0.2f, 6}, vec3(0.0f), 40.0f);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a lit room scaled by a power of two is the same picture to the bit", "[stability][scale]") {
+  const RenderOptions options = render_options(16, 16, 16);
+  for (const char* accelerator : {"list", "embree-robust"}) {
+    const Film reference = render(lit_room(), options, accelerator);
+    for (const int exponent : {-20, -7, 1, 20}) {
+      INFO(accelerator << ", 2^" << exponent);
+      CHECK(different_pixels(render(lit_room(std::ldexp(1.0f, exponent)), options, accelerator), reference) == 0);
+    }
+  }
+}
+
+TEST_CASE("a lit room from a micrometre to a thousand kilometres is the same picture", "[stability][scale]") {
+  // Coordinates that are no power of two apart round differently, which turns some random choices around.
+  RenderOptions options = render_options(16, 16, 64);
+  for (const char* accelerator : {"list", "embree", "embree-robust"}) {
+    const Film reference = render(lit_room(), options, accelerator);
+    for (const float scale : {1e-6f, 1e-3f, 1e3f, 1e6f}) {
+      const Difference d = compare(render(lit_room(scale), options, accelerator), reference);
+      INFO(accelerator << ", scale " << scale << ": " << 100.0 * d.pixels << "% of the pixels differ, mean ratio "
+                       << d.mean_ratio);
+      CHECK(d.pixels < 0.05);
+      CHECK(d.mean_ratio == Approx(1.0).epsilon(2e-3));
+    }
+  }
+  // The book's t_min = 0.001 is a length, and shows it.
+  options.integrator.ray_offset = RayOffset::book;
+  const Film reference = render(lit_room(), options);
+  for (const float scale : {1e-6f, 1e6f}) {
+    CHECK(std::abs(compare(render(lit_room(scale), options), reference).mean_ratio - 1.0) > 0.1);
+  }
+}
+
+TEST_CASE("no light comes through a plate half a millimetre behind glass", "[stability][scale]") {
+  const Scene scene = hidden_light([](Scene& s) {
+    add_quad(s, {-20, -20, 5e-4f}, {40, 0, 0}, {0, 40, 0}, glass(1.5f));
+    add_sphere(s, {0, 0, 3}, 0.5f, lambertian(grey(0.9f)));
+  });
+  for (const auto integrator : {IntegratorKind::path, IntegratorKind::book}) {
+    for (const char* accelerator : {"list", "embree", "embree-robust"}) {
+      RenderOptions options = render_options(12, 12, 32, 12);
+      options.integrator.kind = integrator;
+      INFO(integrator_name(integrator) << ", " << accelerator);
+      CHECK(mean_luminance(render(scene, options, accelerator)).mean == 0.0);
+      options.integrator.ray_offset = RayOffset::book;
+      CHECK(mean_luminance(render(scene, options, accelerator)).mean > 0.0);
+    }
+  }
+}
+
+TEST_CASE("bent shading normals let no light through a wall", "[stability][scale]") {
+  // Normals almost along the wall: half of the directions that look reflected go through it.
+  for (const Material& material : {lambertian(grey(0.8f)), metal(grey(0.9f), 0.5f), metal(grey(0.9f), 0.0f)}) {
+    Scene scene = hidden_light([](Scene&) {});
+    scene.materials[1] = material;
+    TriangleMesh& wall = scene.geometry.meshes[1];
+    wall.normals = {glm::normalize(vec3(1, 0, 0.1f)), glm::normalize(vec3(0, 1, 0.1f)),
+                    glm::normalize(vec3(-1, 0, 0.1f)), glm::normalize(vec3(0, -1, 0.1f))};
+    REQUIRE(scene_needs(scene).shading_normals);
+    for (const auto integrator : {IntegratorKind::path, IntegratorKind::book}) {
+      RenderOptions options = render_options(12, 12, 32, 8);
+      options.integrator.kind = integrator;
+      CHECK(mean_luminance(render(scene, options)).mean == 0.0);
+    }
+  }
+}
+
+TEST_CASE("a closed room stays dark whatever shines outside", "[stability][scale]") {
+  for (const float scale : {1e-4f, 1.0f, 1e4f}) {
+    for (const vec3& center : {vec3(0.0f), vec3(8.0f, -24.0f, 4.0f)}) {
+      Scene scene;
+      const vec3 c = scale * center;
+      add_box(scene, c - vec3(scale), c + vec3(scale), lambertian(grey(0.9f)));
+      add_sphere(scene, c + scale * vec3(0.3f, -0.5f, 0.2f), 0.4f * scale, glass());
+      add_sphere(scene, c, 50.0f * scale, light(grey(1000.0f)));
+      set_sky(scene, Rgb(1000.0f));
+      look(scene, c + scale * vec3(-0.6f, 0.5f, 0.8f), c, 70.0f);
+      for (const char* accelerator : {"list", "embree-robust"}) {
+        INFO(accelerator << ", scale " << scale << " at " << center.x);
+        CHECK(mean_luminance(render(scene, render_options(16, 16, 16, 12), accelerator)).mean == 0.0);
+      }
+    }
+  }
+}
