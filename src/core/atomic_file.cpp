@@ -68,10 +68,9 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::commit() {
   errno = 0;
-  // An earlier failure has set the stream's state, and closing fails on what was still buffered.
-  const bool written = stream_.good();
   stream_.close();
-  if (!written || !stream_) fail(file_, errno);
+  // An earlier failure has stayed in the stream's state; closing adds that of what was still buffered.
+  if (!stream_) fail(file_, errno);
   if (temporary_.empty()) return;
   std::error_code error;
   fs::rename(temporary_, target_, error);
