@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& file, int error) {
-  const std::string reason = error != 0 ? std::generic_category().message(error) : "writing failed; is the disk full?";
+  const std::string reason =
+      error != 0 ? std::generic_category().message(error) : "writing failed; is the disk full?";
   throw Error(ErrorKind::output, file.string(), "cannot be written: " + reason);
 }
 
