@@ -1,0 +1,112 @@
+// `bvh`: its tree on inputs of any shape.
+#include "catch.hpp"
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/measure/ray_sets.hpp"
+#include "raylab/measure/shapes.hpp"
+
+using namespace raylab;
+
+namespace {
+
+/// A tree deeper than this could be traversed wrongly: the stack has room for no more.
+constexpr int kDepthLimit = 80;
+
+std::vector<Ray> rays_into(const Geometry& geometry, std::size_t count) {
+  return random_rays(geometry.bounds(), count, 5);
+}
+
+void check_depth_and_hits(const std::string& what, const Geometry& geometry, std::size_t rays) {
+  const FlushDenormals flush;
+  const auto judge = make_accelerator("list", geometry);
+  for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {
+    const auto bvh = make_accelerator("bvh", geometry, {.quality = quality});
+    INFO(what << ", " << quality_name(quality) << ", depth " << bvh->build_report().depth);
+    CHECK(bvh->build_report().primitives == geometry.primitive_count());
+    CHECK(bvh->build_report().depth <= kDepthLimit);
+    for (const Ray& ray : rays_into(geometry, rays)) {
+      const auto expected = judge->intersect(ray);
+      REQUIRE(bvh->intersect(ray) == expected);
+      REQUIRE(bvh->occluded(ray) == expected.has_value());
+    }
+  }
+}
+
+TriangleMesh repeated(const Triangle& triangle, std::size_t copies) {
+  TriangleMesh mesh;
+  mesh.positions = {triangle.p0, triangle.p1, triangle.p2};
+  mesh.triangles.assign(copies, uvec3(0, 1, 2));
+  mesh.pad_positions();
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("bvh builds on nothing, on one primitive and on many in one place, with bounded depth", "[stability]") {
+  const Triangle triangle{{0, 0, 0}, {1, 0, 0.3f}, {0, 1, 0.1f}};
+  const Geometry none;
+  const auto empty = make_accelerator("bvh", none);
+  CHECK_FALSE(empty->intersect({{0, 0, 0}, {1, 0, 0}}).has_value());
+  CHECK_FALSE(empty->occluded({{0, 0, 0}, {1, 0, 0}}));
+  CHECK(empty->build_report().primitives == 0);
+
+  check_depth_and_hits("one triangle", {{repeated(triangle, 1)}, {}}, 1000);
+  check_depth_and_hits("one sphere", {{}, {{{1, 2, 3}, 0.5f}}}, 1000);
+  check_depth_and_hits("100,000 copies of a triangle", {{repeated(triangle, 100000)}, {}}, 3);
+  check_depth_and_hits("10,000 copies of a sphere", {{}, std::vector<Sphere>(10000, {{1, 2, 3}, 0.5f})}, 10);
+}
+
+TEST_CASE("bvh stays shallow on primitives that no plane parts well", "[stability]") {
+  std::vector<Sphere> shells, chain, line;
+  for (int i = 0; i < 3000; ++i) {
+    const auto x = static_cast<float>(i);
+    shells.push_back({vec3(0.0f), 1.0f + x});
+    line.push_back({{x * x, 0, 0}, 0.3f});
+  }
+  for (int i = 0; i < 120; ++i) {
+    const float scale = std::ldexp(1.0f, 60 - i);
+    chain.push_back({vec3(scale, 0, 0), 0.1f * scale});
+  }
+  check_depth_and_hits("nested spheres", {{}, shells}, 20);
+  check_depth_and_hits("spheres along a line", {{}, line}, 20);
+  check_depth_and_hits("spheres at powers of two", {{}, chain}, 300);
+
+  TriangleMesh spokes;  // all through one line, so that their boxes overlap
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const float angle = 0.003f * static_cast<float>(i);
+    spokes.positions.insert(spokes.positions.end(),
+                            {vec3(0, 0, -1), vec3(0, 0, 1), vec3(std::cos(angle), std::sin(angle), 0)});
+    spokes.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  spokes.pad_positions();
+  check_depth_and_hits("spokes", {{spokes}, {}}, 50);
+}
+
+TEST_CASE("bvh builds the same tree with any number of threads", "[unit]") {
+  const FlushDenormals flush;
+  const Geometry geometry{{triangle_soup(30000, 1.0f, 0.05f, 1), icosphere(vec3(0.2f), 0.5f, 5)},
+                          sphere_soup(5000, 1.0f, 0.02f, 1)};
+  const auto single = make_accelerator("bvh", geometry, {.threads = 1});
+  const std::vector<Ray> rays = rays_into(geometry, 2000);
+  for (const int threads : {2, 3, 8}) {
+    const auto several = make_accelerator("bvh", geometry, {.threads = threads});
+    CHECK(several->build_report().nodes == single->build_report().nodes);
+    CHECK(several->build_report().bytes == single->build_report().bytes);
+    CHECK(several->build_report().depth == single->build_report().depth);
+    CHECK(several->build_report().sah_cost == single->build_report().sah_cost);
+    for (const Ray& ray : rays) REQUIRE(several->intersect(ray) == single->intersect(ray));
+  }
+}
+
+TEST_CASE("the options of bvh have names, and no other accelerator takes them", "[unit]") {
+  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) CHECK(parse_isa(isa_name(isa)) == isa);
+  for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {
+    CHECK(parse_quality(quality_name(quality)) == quality);
+  }
+  CHECK_THROWS(parse_isa("mmx"));
+  CHECK_THROWS(parse_quality("good"));
+  for (const char* name : {"list", "rtiow", "embree", "embree-robust"}) {
+    CHECK_THROWS(make_accelerator(name, {}, {.isa = Isa::sse42}));
+    CHECK_THROWS(make_accelerator(name, {}, {.quality = BvhQuality::fast}));
+  }
+}

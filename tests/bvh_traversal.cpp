@@ -1,0 +1,123 @@
+// `bvh`: the same hits as without a tree, with every instruction set the machine has.
+#include <cmath>
+
+#include "catch.hpp"
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/measure/ray_sets.hpp"
+#include "raylab/measure/shapes.hpp"
+
+using namespace raylab;
+
+namespace {
+
+/// One `bvh` for each instruction set; those the processor does not have are left out.
+std::vector<std::unique_ptr<Accelerator>> for_every_isa(const Geometry& geometry, Intersector intersector) {
+  std::vector<std::unique_ptr<Accelerator>> all;
+  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) {
+    try {
+      all.push_back(make_accelerator("bvh", geometry, {.intersector = intersector, .isa = isa}));
+      CHECK(all.back()->build_report().isa == isa_name(isa));
+    } catch (const Error& error) {
+      REQUIRE(error.kind() == ErrorKind::usage);
+    }
+  }
+  return all;
+}
+
+/// Not one bit of a hit may differ from that of `list` with the same intersector.
+void check_equal_hits(const std::string& what, const Geometry& geometry, const std::vector<Ray>& rays) {
+  const FlushDenormals flush;
+  for (const Intersector intersector : {Intersector::book, Intersector::fast, Intersector::watertight}) {
+    const auto list = make_accelerator("list", geometry, {.intersector = intersector});
+    for (const auto& bvh : for_every_isa(geometry, intersector)) {
+      INFO(what << ", " << intersector_name(intersector) << ", " << bvh->build_report().isa);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        INFO("ray " << i);
+        const auto expected = list->intersect(rays[i]);
+        REQUIRE(bvh->intersect(rays[i]) == expected);
+        REQUIRE(bvh->occluded(rays[i]) == expected.has_value());
+      }
+    }
+  }
+}
+
+/// Rays into the box whose directions have components of 0, -0 and denormals.
+std::vector<Ray> awkward_rays(const Bounds& bounds, std::size_t count) {
+  std::vector<Ray> rays = random_rays(bounds, count, 3);
+  const float awkward[] = {0.0f, -0.0f, 1e-40f, -1e-45f, 1e-30f};
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    rays[i].direction[static_cast<int>(i) % 3] = awkward[i % 5];
+    if (i % 4 == 0) rays[i].direction[static_cast<int>(i + 1) % 3] = awkward[(i / 4) % 5];
+    if (i % 2 == 0) rays[i].origin = bounds.center();
+  }
+  return rays;
+}
+
+}  // namespace
+
+TEST_CASE("bvh gives the hits of list, bit for bit, with every instruction set and intersector", "[agreement]") {
+  const Geometry soup{{triangle_soup(1500, 1.0f, 0.3f, 1)}, {}};
+  check_equal_hits("soup", soup, random_rays(soup.bounds(), 3000, 1));
+  check_equal_hits("soup", soup, awkward_rays(soup.bounds(), 1000));
+  const Geometry overlapping{{triangle_soup(200, 1.0f, 6.0f, 2)}, {}};
+  check_equal_hits("overlapping", overlapping, random_rays(overlapping.bounds(), 3000, 2));
+  const Geometry mixed{{triangle_soup(200, 1.0f, 0.3f, 3), icosphere(vec3(0.1f), 0.6f, 2)},
+                       sphere_soup(200, 1.0f, 0.2f, 3)};
+  check_equal_hits("mixed", mixed, random_rays(mixed.bounds(), 3000, 3));
+  check_equal_hits("mixed", mixed, awkward_rays(mixed.bounds(), 1000));
+}
+
+TEST_CASE("of triangles hit at the same distance bvh gives the one with the smallest id, as list does",
+          "[agreement]") {
+  const TriangleMesh sphere = icosphere(vec3(0.0f), 1.0f, 2);
+  const Geometry geometry{{sphere, sphere}, {{vec3(0.0f), 0.5f}, {vec3(0.0f), 0.5f}}};
+  check_equal_hits("vertices", geometry, rays_at_vertices(sphere, vec3(0.0f), 0.55f, 2000, 1));
+  check_equal_hits("edges", geometry, rays_at_edges(sphere, vec3(0.0f), 0.55f, 2000, 1));
+}
+
+TEST_CASE("bvh leaks nothing at the vertices and edges of closed meshes of any size and place", "[stability]") {
+  const FlushDenormals flush;
+  struct Place {
+    float radius;
+    vec3 center;
+  };
+  for (const Place& place : {Place{2.0f, vec3(0.0f)}, Place{2.0f, {148376, 1234, -223423}},
+                             Place{1e-3f, vec3(0.0f)}, Place{1e-6f, vec3(0.0f)}, Place{1e10f, vec3(0.0f)}}) {
+    const Geometry geometry{{icosphere(place.center, place.radius, 4)}, {}};
+    const float spread = 0.4f * place.radius;
+    for (const auto& bvh : for_every_isa(geometry, Intersector::watertight)) {
+      std::size_t leaks = 0;
+      for (const auto& aimed : {rays_at_vertices(geometry.meshes[0], place.center, spread, 20000, 1),
+                                rays_at_edges(geometry.meshes[0], place.center, spread, 20000, 1)}) {
+        for (const Ray& ray : aimed) leaks += bvh->intersect(ray) && bvh->occluded(ray) ? 0 : 1;
+      }
+      INFO("radius " << place.radius << ", " << bvh->build_report().isa);
+      CHECK(leaks == 0);
+    }
+  }
+}
+
+TEST_CASE("bvh hits the same with directions of any length, and ends of the interval are open", "[agreement]") {
+  const Geometry geometry{{triangle_soup(500, 1.0f, 0.4f, 4)}, sphere_soup(50, 1.0f, 0.3f, 4)};
+  std::vector<Ray> rays = random_rays(geometry.bounds(), 600, 4);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    rays[i].direction *= std::ldexp(1.0f, static_cast<int>(i % 201) - 100);
+  }
+  const FlushDenormals flush;
+  const auto list = make_accelerator("list", geometry);
+  for (const auto& bvh : for_every_isa(geometry, Intersector::watertight)) {
+    for (Ray ray : rays) {
+      const auto hit = list->intersect(ray);
+      REQUIRE(bvh->intersect(ray) == hit);
+      if (!hit) continue;
+      ray.t_max = hit->t;
+      REQUIRE_FALSE(bvh->occluded(ray));
+      REQUIRE_FALSE(bvh->intersect(ray).has_value());
+      ray.t_max = next_float_up(hit->t);
+      REQUIRE(bvh->occluded(ray));
+      REQUIRE(bvh->intersect(ray) == hit);
+    }
+  }
+}
