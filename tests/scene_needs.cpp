@@ -69,6 +69,10 @@ const std::vector<Case>& cases() {
 
 TEST_CASE("an empty scene needs nothing", "[unit][needs]") {
   CHECK(scene_needs(Scene()) == SceneNeeds());
+  Scene no_materials;
+  no_materials.geometry.meshes.emplace_back();
+  no_materials.mesh_materials.emplace_back();
+  CHECK(scene_needs(no_materials) == SceneNeeds());
   // Materials that nothing has, a black picture as sky, and an empty mesh count for nothing either.
   Scene scene;
   scene.materials = {light(grey(1.0f)), metal(any_picture(scene), 0.5f)};

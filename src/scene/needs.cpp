@@ -13,7 +13,7 @@ std::vector<bool> materials_of(const Scene& scene, std::size_t mesh) {
   std::vector<bool> used(scene.materials.size(), false);
   const MeshMaterials& m = scene.mesh_materials[mesh];
   if (m.per_triangle.empty()) {
-    used[m.common] = !scene.geometry.meshes[mesh].triangles.empty();
+    if (!scene.geometry.meshes[mesh].triangles.empty()) used[m.common] = true;
   } else {
     for (const std::uint16_t id : m.per_triangle) used[id] = true;
   }
