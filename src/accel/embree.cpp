@@ -279,7 +279,8 @@ class Embree final : public Accelerator {
 
 std::unique_ptr<Accelerator> make(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
   if (options.intersector) {
-    throw Error(ErrorKind::usage, "--intersector", "Embree brings its own triangle test; list and rtiow take one");
+    throw Error(ErrorKind::usage, "--intersector",
+                "Embree brings its own triangle test; list, rtiow and bvh take one");
   }
   return std::make_unique<Embree>(geometry, options, robust);
 }

@@ -18,9 +18,11 @@ using Ref = std::uint32_t;
 
 inline constexpr std::uint32_t kLargestRefIndex = 0x3fffffffu;
 
-constexpr Ref make_ref(RefKind kind, std::uint32_t index) { return index << 2 | static_cast<std::uint32_t>(kind); }
-constexpr RefKind ref_kind(Ref ref) { return static_cast<RefKind>(ref & 3u); }
-constexpr std::uint32_t ref_index(Ref ref) { return ref >> 2; }
+[[gnu::always_inline]] inline constexpr Ref make_ref(RefKind kind, std::uint32_t index) {
+  return index << 2 | static_cast<std::uint32_t>(kind);
+}
+[[gnu::always_inline]] inline constexpr RefKind ref_kind(Ref ref) { return static_cast<RefKind>(ref & 3u); }
+[[gnu::always_inline]] inline constexpr std::uint32_t ref_index(Ref ref) { return ref >> 2; }
 
 /// Inner node: the boxes of up to `width` children, one array a plane.
 template <int width>

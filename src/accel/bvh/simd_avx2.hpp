@@ -3,8 +3,6 @@
 // where either is NaN.
 #include <immintrin.h>
 
-#include <array>
-
 #include "layout.hpp"
 #include "simd_pair.hpp"
 
@@ -53,18 +51,21 @@ struct Lookup16 {
 };
 
 /// For each mask its set bits, descending, four bits each.
-constexpr std::array<std::uint32_t, 256> make_compress_table() {
-  std::array<std::uint32_t, 256> table{};
+struct CompressTable {
+  std::uint32_t packed[256];
+};
+constexpr CompressTable make_compress_table() {
+  CompressTable table{};
   for (std::uint32_t mask = 0; mask < 256; ++mask) {
     std::uint32_t packed = 0, count = 0;
     for (std::uint32_t bit = 8; bit-- > 0;) {
       if (mask >> bit & 1u) packed |= bit << (4 * count++);
     }
-    table[mask] = packed;
+    table.packed[mask] = packed;
   }
   return table;
 }
-constexpr std::array<std::uint32_t, 256> kCompress = make_compress_table();
+constexpr CompressTable kCompress = make_compress_table();
 
 inline __m256i unpack_lanes(std::uint32_t packed) {
   return _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(packed)),
@@ -80,7 +81,7 @@ inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::ui
   const __m256 sorted_far = _mm256_permutevar8x32_ps(far.v, lane);
   const std::uint32_t hit = Float8::bits(_mm256_cmp_ps(sorted_near, sorted_far, _CMP_LE_OQ));
   next = child[*order >> 4 * __builtin_ctz(hit | 0x80u) & 7u];
-  const __m256i kept = unpack_lanes(kCompress[hit]);
+  const __m256i kept = unpack_lanes(kCompress.packed[hit]);
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_ps(distances, _mm256_permutevar8x32_ps(sorted_near, kept));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
@@ -93,7 +94,7 @@ inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& n
   next = child[__builtin_ctz(hit | 0x80u)];
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
-                      _mm256_permutevar8x32_epi32(all, unpack_lanes(kCompress[hit])));
+                      _mm256_permutevar8x32_epi32(all, unpack_lanes(kCompress.packed[hit])));
   return __builtin_popcount(hit);
 }
 

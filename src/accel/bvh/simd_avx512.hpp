@@ -62,8 +62,7 @@ inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::ui
   next = static_cast<Ref>(_mm256_cvtsi256_si32(kept));
   const int count = __builtin_popcount(hit);
   const __m256i reversed = _mm256_sub_epi32(_mm256_set1_epi32(count - 1), iota);
-  _mm256_storeu_ps(distances,
-                   _mm256_permutexvar_ps(reversed, _mm256_maskz_compress_ps(hit, sorted_near)));
+  _mm256_storeu_ps(distances, _mm256_permutexvar_ps(reversed, _mm256_maskz_compress_ps(hit, sorted_near)));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_permutexvar_epi32(reversed, kept));
   return count;
 }

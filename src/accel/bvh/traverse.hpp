@@ -94,8 +94,10 @@ class BlockTest<Intersector::watertight> {
   std::uint32_t find(const TriangleBlock& block, [[maybe_unused]] float limit) {
     const Float16 zero = Float16::splat(0.0f);
     const Float16 z = Float16::load(block.position[kz_]) - Float16::splat(origin_z_);
-    const Float16 x = Float16::load(block.position[kx_]) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z;
-    const Float16 y = Float16::load(block.position[ky_]) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z;
+    const Float16 x =
+        Float16::load(block.position[kx_]) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z;
+    const Float16 y =
+        Float16::load(block.position[ky_]) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z;
     const Lookup16 at_a(block.corner[0]), at_b(block.corner[1]), at_c(block.corner[2]);
     const Float16 ax = at_a(x), bx = at_b(x), cx = at_c(x);
     const Float16 ay = at_a(y), by = at_b(y), cy = at_c(y);
@@ -136,7 +138,8 @@ class BlockTest<Intersector::watertight> {
 
   bool decide(const TriangleBlock& block, int lane, float limit, KernelHit& hit) const {
     if constexpr (kDividesAllLanes) {
-      if ((unsure_ >> lane & 1u) != 0) [[unlikely]] return hit_triangle_again(block, lane, ray_, limit, hit);
+      if ((unsure_ >> lane & 1u) != 0) [[unlikely]]
+        return hit_triangle_again(block, lane, ray_, limit, hit);
       hit = {t_[lane], v_[lane], w_[lane], block.first + static_cast<std::uint32_t>(lane)};
       return hit.t <= limit;
     }
@@ -154,7 +157,8 @@ class BlockTest<Intersector::watertight> {
     // False for not a number, too.
     const bool sure = (u != 0.0f) & (v != 0.0f) & (w != 0.0f) & (size > 0x1p-100f) & (size < 0x1p120f) &
                       (__builtin_fabsf(z) * size > kZError * z_size * xy_size * xy_size);
-    if (!sure) [[unlikely]] return hit_triangle_again(block, lane, ray_, limit, hit);
+    if (!sure) [[unlikely]]
+      return hit_triangle_again(block, lane, ray_, limit, hit);
     hit = {t, beta, gamma, block.first + static_cast<std::uint32_t>(lane)};
     return (t > ray_.t_min) & (t <= limit);
   }
@@ -207,10 +211,10 @@ class BlockTest {
     const Float16 u = dot(s, p) * inv_det;
     const Float16 v = dot(d, q) * inv_det;
     const Float16 t = dot(e2, q) * inv_det;
-    const std::uint32_t found =
-        block.lanes & less(Float16::splat(smallest_determinant), abs(det)) & less_equal(zero, u) &
-        less_equal(u, one) & less_equal(zero, v) & less_equal(u + v, one) & less(Float16::splat(ray_.t_min), t) &
-        less_equal(t, Float16::splat(limit));
+    const std::uint32_t found = block.lanes & less(Float16::splat(smallest_determinant), abs(det)) &
+                                less_equal(zero, u) & less_equal(u, one) & less_equal(zero, v) &
+                                less_equal(u + v, one) & less(Float16::splat(ray_.t_min), t) &
+                                less_equal(t, Float16::splat(limit));
     if (found != 0) {
       t.store(t_);
       u.store(u_);
