@@ -146,7 +146,7 @@ TEST_CASE("every built-in accelerator can be chosen by name", "[cli]") {
   const SmallScene small;
   const ProgramResult list = raylab_render({"--list-accels"});
   CHECK(list.exit_code == 0);
-  for (const std::string name : {"list", "rtiow", "embree", "embree-robust"}) {
+  for (const std::string name : {"list", "rtiow", "bvh", "embree", "embree-robust"}) {
     CHECK(("\n" + list.out).find("\n" + name + " ") != std::string::npos);
     CHECK(raylab_render({small.scene, "-o", small.output, "--accel", name, "--quiet"}).exit_code == 0);
   }
@@ -164,7 +164,7 @@ TEST_CASE("without -o the picture has the name of the scene", "[cli]") {
   CHECK(read_exr(folder / "cornell.exr").width == 8);
 }
 
-TEST_CASE("--check says how the scene was understood and writes nothing", "[cli]") {
+TEST_CASE("the check option says how the scene was understood and writes nothing", "[cli]") {
   const TempFolder folder;
   const std::string output = (folder / "none.exr").string();
   const ProgramResult result = raylab_render({kCornell, "-o", output, "--check"});
@@ -181,6 +181,8 @@ TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {
   small.expect_failure(2, {"bvvh", "embree"}, {"--accel", "bvvh"});
   small.expect_failure(2, {"--intersector", "sloppy"}, {"--accel", "list", "--intersector", "sloppy"});
   small.expect_failure(2, {"--intersector"}, {"--accel", "embree", "--intersector", "fast"});
+  small.expect_failure(2, {"--isa", "mmx"}, {"--accel", "bvh", "--isa", "mmx"});
+  small.expect_failure(2, {"--bvh-quality"}, {"--accel", "embree", "--bvh-quality", "best"});
   small.expect_failure(2, {"--integrator", "magic"}, {"--integrator", "magic"});
   small.expect_failure(2, {"--sampler", "dice"}, {"--sampler", "dice"});
   small.expect_failure(2, {"--spp"}, {"--spp", "0"});

@@ -38,7 +38,7 @@ double density(const Scene& scene, const Lights& lights, const Accelerator& acce
   Ray ray{p, wi};
   std::vector<bool> seen(scene.geometry.spheres.size(), false);
   while (const auto hit = accelerator.intersect(ray)) {
-    const auto point = surface_point<true, false>(scene.geometry, ray, *hit);
+    const auto point = surface_point<true, false, true>(scene.geometry, ray, *hit);
     const std::uint32_t material = scene.material_of(hit->geometry, hit->primitive);
     if (scene.geometry.is_sphere(hit->geometry)) {
       if (!seen[hit->primitive]) sum += lights.sphere_pdf(hit->primitive, material, p, point.position, wi);
@@ -108,7 +108,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
     const float length = glm::length(to_target);
     const auto hit = accelerator->intersect({p, s.wi, 0.999f * length, kInfinity});
     if (!hit || std::abs(hit->t - length) > 1e-3f * length) continue;  // its very rim
-    const auto point = surface_point<true, true>(scene.geometry, Ray{p, s.wi}, *hit);
+    const auto point = surface_point<true, true, true>(scene.geometry, Ray{p, s.wi}, *hit);
     const std::uint32_t material = scene.material_of(hit->geometry, hit->primitive);
     const float pdf = scene.geometry.is_sphere(hit->geometry)
                           ? lights.sphere_pdf(hit->primitive, material, p, point.position, s.wi)

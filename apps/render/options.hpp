@@ -14,8 +14,10 @@ enum class ProgressKind { automatic, lines, json, none };
 struct RenderCommand {
   std::string scene;
   std::vector<std::string> outputs;
-  std::string accel = "embree-robust";
+  std::string accel = "bvh";
   std::string intersector;
+  std::string bvh_quality;
+  std::string isa;
   std::string integrator = "path";
   std::string sampler = "sobol";
   std::string ray_offset = "bounds";

@@ -1,5 +1,7 @@
 #include "raylab/apps/render_main.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -22,17 +24,22 @@ namespace {
 
 constexpr int kInterrupted = 130;
 
+// `timeout` and job schedulers signal both the process and its group: two signals are one wish. The third ends the
+// program at once.
+constexpr int kImpatient = 3;
 volatile std::sig_atomic_t interrupted = 0;
-void on_interrupt(int) { interrupted = 1; }
+void on_interrupt(int) {
+  interrupted = interrupted + 1;
+  if (interrupted >= kImpatient) _exit(kInterrupted);
+}
 
-/// Ctrl-C ends the render and not the program, while it lives; a second one ends the program.
+/// While it lives, Ctrl-C ends the render and not the program.
 class InterruptGuard {
  public:
   InterruptGuard() {
     interrupted = 0;
     struct sigaction action {};
     action.sa_handler = on_interrupt;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigaction(SIGINT, &action, &old_int_);
     sigaction(SIGTERM, &action, &old_term_);
   }
@@ -142,6 +149,8 @@ int render(const RenderCommand& command) {
   AcceleratorOptions accel_options;
   accel_options.threads = command.threads;
   if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
+  if (!command.bvh_quality.empty()) accel_options.quality = parse_quality(command.bvh_quality);
+  if (!command.isa.empty()) accel_options.isa = parse_isa(command.isa);
   const std::unique_ptr<Accelerator> accelerator = make_accelerator(command.accel, scene.geometry, accel_options);
 
   const InterruptGuard guard;
@@ -150,7 +159,7 @@ int render(const RenderCommand& command) {
   session.start();
   while (!session.wait_for(0.05)) {
     progress.update(session.progress());
-    if (interrupted) session.request_stop();
+    if (interrupted > 0) session.request_stop();
   }
   session.stop();
   progress.finish(session.progress());

@@ -18,14 +18,14 @@ namespace {
 constexpr unsigned kSampleLights = 1;  ///< emitters are sampled; off in the book's integrator
 constexpr unsigned kSpheres = 2;
 constexpr unsigned kTextures = 4;
-constexpr unsigned kEnvironment = 8;
+constexpr unsigned kShadingNormals = 8;
 constexpr unsigned kFeatureSets = 16;
 
 // Draws of one path segment, from Integrator::kFirstDimension on.
 enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
 
 // Segments traced before Russian roulette may end a path.
-constexpr int kFirstRouletteSegment = 2;
+constexpr int kFirstRouletteSegment = 5;
 
 /// Power heuristic for one sample of each strategy (Veach 1997, §9.2).
 float mis_weight(float pdf, float other_pdf) {
@@ -66,7 +66,7 @@ Integrator::Integrator(const Scene& scene, const Accelerator& accelerator, const
   if (settings.kind == IntegratorKind::path && !lights_.empty()) features |= kSampleLights;
   if (needs.spheres) features |= kSpheres;
   if (needs.textures) features |= kTextures;
-  if (needs.environment) features |= kEnvironment;
+  if (needs.shading_normals) features |= kShadingNormals;
   estimate_ = choose(features, std::make_index_sequence<kFeatureSets>());
 }
 
@@ -75,7 +75,7 @@ Rgb Integrator::estimate(const Integrator& self, const Ray& camera_ray, const Sa
   constexpr bool has_lights = (kFeatures & kSampleLights) != 0;
   constexpr bool has_spheres = (kFeatures & kSpheres) != 0;
   constexpr bool has_textures = (kFeatures & kTextures) != 0;
-  constexpr bool has_environment = (kFeatures & kEnvironment) != 0;
+  constexpr bool has_shading_normals = (kFeatures & kShadingNormals) != 0;
   const Scene& scene = self.scene_;
   const Accelerator& accelerator = self.accelerator_;
   const bool book_offset = self.settings_.ray_offset == RayOffset::book;
@@ -87,29 +87,25 @@ Rgb Integrator::estimate(const Integrator& self, const Ray& camera_ray, const Sa
   float eta_scale = 1.0f;    // undoes the radiance scaling of refraction, so that roulette sees the path's power
   float scatter_pdf = 0.0f;  // density of the last direction; 0: light sampling could not have found it
   vec3 scatter_position(0.0f);
-  Ray ray = camera_ray;
+  Ray ray{camera_ray.origin, glm::normalize(camera_ray.direction)};  // unit from here on
   ++counts.camera;
 
   for (int segment = 1;; ++segment) {
     const std::optional<Hit> hit = accelerator.intersect(ray);
     if (!hit) {
-      if constexpr (has_environment) {
-        const vec3 d = glm::normalize(ray.direction);
-        Rgb arriving = scene.environment.radiance(d);
-        if (has_lights && scatter_pdf > 0.0f) {
-          arriving *= mis_weight(scatter_pdf, self.lights_.environment_pdf(d));
-        }
-        radiance += throughput * arriving;
+      Rgb arriving = scene.environment.radiance(ray.direction);
+      if (has_lights && scatter_pdf > 0.0f) {
+        arriving *= mis_weight(scatter_pdf, self.lights_.environment_pdf(ray.direction));
       }
-      return radiance;
+      return radiance + throughput * arriving;
     }
 
-    const SurfacePoint point = surface_point<has_spheres, has_textures>(scene.geometry, ray, *hit);
+    const SurfacePoint point = surface_point<has_spheres, has_textures, has_shading_normals>(scene.geometry, ray, *hit);
     const std::uint32_t material_id = scene.material_of(hit->geometry, hit->primitive);
     const Material& material = scene.materials[material_id];
     const Rgb color = has_textures ? texture_color(material.color, scene.textures, point.position, point.uv)
                                    : material.color.a;
-    const vec3 wo = -glm::normalize(ray.direction);
+    const vec3 wo = -ray.direction;
 
     if (material.kind == Material::Kind::diffuse_light) {
       float weight = 1.0f;
@@ -128,8 +124,12 @@ Rgb Integrator::estimate(const Integrator& self, const Ray& camera_ray, const Sa
     // takes its place: a surface is seen from the side it is on.
     const bool inside = glm::dot(wo, point.ng) < 0.0f;
     const vec3 ng = inside ? -point.ng : point.ng;
-    vec3 ns = inside ? -point.ns : point.ns;
-    if (!(glm::dot(wo, ns) > 0.0f)) ns = ng;
+    vec3 ns = ng;
+    if constexpr (has_shading_normals) {
+      ns = inside ? -point.ns : point.ns;
+      if (!(glm::dot(wo, ns) > 0.0f)) ns = ng;
+    }
+    const bool bent = has_shading_normals && ns != ng;
     const Frame frame(ns);
     const vec3 wo_local = frame.to_local(wo);
     const std::uint32_t draws =
@@ -138,9 +138,10 @@ Rgb Integrator::estimate(const Integrator& self, const Ray& camera_ray, const Sa
     if (has_lights && has_density(material)) {
       const LightSample light = self.lights_.sample(point.position, sampler.get1(draws + kLightChoice),
                                                     sampler.get2(draws + kLightPoint));
-      // Both normals must agree on the side, or light would leak through the surface.
       if (light.pdf > 0.0f && glm::dot(light.wi, ng) > 0.0f) {
-        const BsdfValue f = eval_bsdf(material, color, wo_local, frame.to_local(light.wi));
+        const vec3 wi_local = frame.to_local(light.wi);
+        const BsdfValue f = bent ? eval_bsdf_above(material, color, wo_local, wi_local, frame.to_local(ng))
+                                 : eval_bsdf(material, color, wo_local, wi_local);
         if (f.pdf > 0.0f) {
           const vec3 start = book_offset ? point.position : offset_origin(point, light.wi);
           const Ray shadow = light.infinite ? Ray{start, light.wi} : Ray{start, light.target - start, 0.0f, kShadowEnd};
@@ -152,12 +153,13 @@ Rgb Integrator::estimate(const Integrator& self, const Ray& camera_ray, const Sa
       }
     }
 
+    const vec2 u = sampler.get2(draws + kDirection);
+    const float lobe = material.kind == Material::Kind::dielectric ? sampler.get1(draws + kLobe) : 0.0f;
     const BsdfSample scattered =
-        sample_bsdf(material, color, wo_local, inside, sampler.get2(draws + kDirection),
-                    material.kind == Material::Kind::dielectric ? sampler.get1(draws + kLobe) : 0.0f);
+        bent ? sample_bsdf_above(material, color, wo_local, frame.to_local(ng), inside, u, lobe)
+             : sample_bsdf(material, color, wo_local, inside, u, lobe);
     if (is_black(scattered.weight)) return radiance;
     const vec3 wi = frame.to_world(scattered.wi);
-    if ((glm::dot(wi, ng) > 0.0f) != (scattered.wi.z > 0.0f)) return radiance;
     throughput *= scattered.weight;
     eta_scale *= scattered.eta_squared;
     scatter_pdf = scattered.delta ? 0.0f : scattered.pdf;

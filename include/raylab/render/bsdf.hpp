@@ -142,4 +142,28 @@ inline BsdfSample sample_bsdf(const Material& m, const Rgb& color, const vec3& w
   return s;
 }
 
+/// w mirrored at the plane with unit normal n.
+inline vec3 mirrored_at(const vec3& w, const vec3& n) { return w - 2.0f * glm::dot(w, n) * n; }
+
+/// eval_bsdf() where the geometric normal `ng` (local, on wo's side) is not the shading normal. Part of the lobe then
+/// lies below the surface. It is folded up, mirrored at the surface: dropping it would lose energy at every bounce,
+/// keeping it would let light through. wi must lie above the surface.
+inline BsdfValue eval_bsdf_above(const Material& m, const Rgb& color, const vec3& wo, const vec3& wi, const vec3& ng) {
+  BsdfValue f = eval_bsdf(m, color, wo, wi);
+  const BsdfValue folded = eval_bsdf(m, color, wo, mirrored_at(wi, ng));
+  f.value += folded.value;
+  f.pdf += folded.pdf;
+  return f;
+}
+
+/// sample_bsdf() to match: a direction on the wrong side of the geometric surface is mirrored at it.
+inline BsdfSample sample_bsdf_above(const Material& m, const Rgb& color, const vec3& wo, const vec3& ng, bool inside,
+                                    const vec2& u, float lobe) {
+  BsdfSample s = sample_bsdf(m, color, wo, inside, u, lobe);
+  const vec3 folded = mirrored_at(s.wi, ng);
+  if (!s.delta) s.pdf += eval_bsdf(m, color, wo, folded).pdf;
+  if ((glm::dot(s.wi, ng) > 0.0f) != (s.wi.z > 0.0f)) s.wi = folded;
+  return s;
+}
+
 }  // namespace raylab

@@ -15,6 +15,21 @@ struct SurfacePoint {
   vec2 uv;       ///< texture coordinates; (0,0) where absent
 };
 
+namespace detail {
+
+/// The compiler's vector of four floats: SSE on x86-64.
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = int __attribute__((vector_size(16)));
+
+inline Float4 float4(const vec3& v) { return Float4{v.x, v.y, v.z, 0.0f}; }
+inline void store(const Float4& v, vec3& out) { out = vec3(v[0], v[1], v[2]); }
+inline Float4 yzx(const Float4& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
+inline Float4 zxy(const Float4& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); }
+inline Float4 abs4(const Float4& v) { return Float4(Int4(v) & 0x7fffffff); }
+inline float sum3(const Float4& v) { return v[0] + v[1] + v[2]; }
+
+}  // namespace detail
+
 /// Point (1-u-v) p0 + u p1 + v p2 of a triangle, its geometric normal and its offset.
 ///
 /// The offset covers, along ng,
@@ -25,25 +40,30 @@ struct SurfacePoint {
 ///    than its |e1 x e2|;
 ///  - 2^-40 of the extent, so that a query that decides in double still sees the point off the plane.
 /// For a plane parallel to an axis through 0 the first two vanish, as do the errors they bound.
+///
+/// Four floats wide, the last idle: this runs at every vertex of every path.
 inline void place_on_triangle(const Triangle& t, float u, float v, SurfacePoint& point) {
-  const vec3 e1 = t.p1 - t.p0;
-  const vec3 e2 = t.p2 - t.p0;
-  point.position = (1.0f - u - v) * t.p0 + u * t.p1 + v * t.p2;
-  const vec3 a = vec3(e1.y * e2.z, e1.z * e2.x, e1.x * e2.y);
-  const vec3 b = vec3(e1.z * e2.y, e1.x * e2.z, e1.y * e2.x);
-  const vec3 n = a - b;
-  const float length2 = glm::dot(n, n);
+  using namespace detail;
+  const Float4 p0 = float4(t.p0), p1 = float4(t.p1), p2 = float4(t.p2);
+  const Float4 e1 = p1 - p0;
+  const Float4 e2 = p2 - p0;
+  store(p0 * (1.0f - u - v) + p1 * u + p2 * v, point.position);
+  const Float4 a = yzx(e1) * zxy(e2);
+  const Float4 b = zxy(e1) * yzx(e2);
+  const Float4 n = a - b;
+  const float length2 = sum3(n * n);
   float inv_length = 1.0f / std::sqrt(length2);
   // The square of a small needle's product, or of a huge triangle's, leaves the range of float.
   if (!(length2 > 0x1p-100f && length2 < 0x1p120f)) [[unlikely]] {
-    inv_length = static_cast<float>(1.0 / glm::length(dvec3(n)));
+    inv_length = static_cast<float>(
+        1.0 / glm::length(dvec3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]))));
   }
-  point.ng = n * inv_length;
-  const vec3 extent = glm::abs(e1) + glm::abs(e2);
-  const vec3 coordinates = glm::abs(t.p0) + glm::abs(t.p1) + glm::abs(t.p2);
-  point.offset = gamma_bound(8) * (glm::dot(glm::abs(point.ng), coordinates) +
-                                   glm::dot(extent, (glm::abs(a) + glm::abs(b)) * inv_length)) +
-                 0x1p-40f * (extent.x + extent.y + extent.z);
+  const Float4 ng = n * inv_length;
+  store(ng, point.ng);
+  const Float4 extent = abs4(e1) + abs4(e2);
+  const Float4 coordinates = abs4(p0) + abs4(p1) + abs4(p2);
+  const Float4 error = abs4(ng) * coordinates + extent * ((abs4(a) + abs4(b)) * inv_length);
+  point.offset = sum3(error * gamma_bound(8) + extent * 0x1p-40f);
 }
 
 /// The point of the sphere closest to p, the outward normal there and the offset. A query's distance to the sphere
@@ -63,8 +83,8 @@ inline vec2 sphere_texcoords(const vec3& n) {
   return {phi * (0.5f * kInvPi), theta * kInvPi};
 }
 
-/// Expands a hit of `ray`. `normals` and `texcoords` say which attributes to look at; absent ones cost nothing.
-template <bool kSpheres, bool kTexcoords>
+/// Expands a hit of `ray`. The parameters say what the scene has (SceneNeeds): what it has not costs nothing.
+template <bool kSpheres, bool kTexcoords, bool kShadingNormals>
 SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   SurfacePoint point;
   point.uv = vec2(0.0f);
@@ -78,7 +98,7 @@ SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& 
   place_on_triangle(triangle_corners(mesh, hit.primitive), hit.u, hit.v, point);
   point.ns = point.ng;
   const float w = 1.0f - hit.u - hit.v;
-  if (!mesh.normals.empty()) {
+  if (kShadingNormals && !mesh.normals.empty()) {
     const uvec3& i = mesh.normal_corners(hit.primitive);
     const vec3 n = w * mesh.normals[i.x] + hit.u * mesh.normals[i.y] + hit.v * mesh.normals[i.z];
     const float length2 = glm::dot(n, n);
