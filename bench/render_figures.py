@@ -19,7 +19,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-REFERENCE_SPP = 16384
+REFERENCE_SPP = 8192
 
 
 class Bench:
@@ -94,7 +94,7 @@ def samplers(bench):
     table = [["scene", "spp", "relMSE independent", "relMSE sobol", "s independent", "s sobol",
               "error ratio at equal spp", "at equal time"]]
     for scene in ["cornell", "one-weekend", "globe", "forest"]:
-        size = {"width": 160}
+        size = {"width": 64}
         reference = bench.reference(scene, **size)
         for spp in [16, 64, 256]:
             rows = bench.interleaved({kind: {"sampler": kind, "spp": spp, **size}
@@ -119,8 +119,8 @@ def needs(bench):
     """What a scene does without, against everything switched on."""
     table = [["scene", "scene bytes", "scene bytes, all on", "light bytes", "light bytes, all on", "s", "s, all on",
               "s all on / s", "pixels that differ"]]
-    for scene, settings in {"cornell": {"width": 400, "spp": 64}, "globe": {"width": 400, "spp": 64},
-                            "forest": {"width": 400, "spp": 64}, "dragon": {"width": 400, "spp": 16}}.items():
+    for scene, settings in {"cornell": {"width": 400, "spp": 16}, "globe": {"width": 400, "spp": 16},
+                            "forest": {"width": 400, "spp": 16}, "dragon": {"width": 400, "spp": 16}}.items():
         rows = bench.interleaved({kind: {"needs": kind, **settings} for kind in ["scene", "all"]}, scene)
         pictures = [bench.scratch / f"{kind}.exr" for kind in ["scene", "all"]]
         for kind, picture in zip(["scene", "all"], pictures):
@@ -153,28 +153,37 @@ def accels(bench):
 
 
 def peers(bench):
-    """cornell beside Mitsuba 3: paths per second, error at equal samples, and the mean of the picture."""
-    size = {"width": 400, "spp": 64}
-    reference = bench.reference("cornell", width=400)
-    table = [["renderer", "s", "Mpaths/s", "relMSE at 64 spp against our reference", "mean ratio"]]
-    rows, mitsuba = [], []
-    picture, peer_picture, peer_json = (bench.scratch / n for n in ["ours.exr", "peer.exr", "peer.json"])
-    for seed in range(bench.repeats):
-        rows.append(bench.render("cornell", output=picture, seed=seed + 1, **size))
-        rows[-1].update(bench.compare(picture, reference))
+    """cornell beside Mitsuba 3: paths per second at 400², error at 64 samples and the mean of the picture at 100²."""
+    ours = "Raylab"
+    variants = {ours: None, "Mitsuba 3": [], "Mitsuba 3, lights one-sided (another picture)": ["--one-sided-lights"]}
+    reference = bench.reference("cornell", width=100)
+    picture, peer_json = bench.scratch / "peer.exr", bench.scratch / "peer.json"
+
+    def run(extra, width, seed):
+        if extra is None:
+            return bench.render("cornell", output=picture, seed=seed, spp=64, width=width)
         subprocess.run([bench.peer_python, ROOT / "bench/peers/mitsuba_render.py", ROOT / "scenes/cornell.toml",
-                        "--width", "400", "--spp", "64", "--repeats", "1", "--one-sided-lights", "--threads", "2",
-                        "--seed", str(seed + 1), "-o", peer_picture, "--json", peer_json],
-                       check=True, stdout=subprocess.DEVNULL)
+                        "--width", str(width), "--spp", "64", "--repeats", "1", "--threads", "2", "--seed", str(seed),
+                        "-o", picture, "--json", peer_json, *extra], check=True, stdout=subprocess.DEVNULL)
         row = json.loads(peer_json.read_text())
-        mitsuba.append({"seconds": row["seconds"]["median"], **bench.compare(peer_picture, reference)})
-        mitsuba[-1]["mpaths_per_second"] = row["mpaths_per_second"]
-    for name, group in {f"Raylab, {rows[0]['accel']}, sobol": rows, "Mitsuba 3, llvm_ad_rgb": mitsuba}.items():
-        table.append([name, f"{median(group, 'seconds'):.3f}", f"{median(group, 'mpaths_per_second'):.3f}",
-                      f"{median(group, 'relmse'):.5f}",
-                      f"{median(group, 'mean_ratio'):.5f} ± {median(group, 'mean_ratio_error'):.2g}"])
-    table.append(["Raylab / Mitsuba, pairwise", f"{ratio(rows, mitsuba, 'seconds'):.3f}",
-                  f"{ratio(rows, mitsuba, 'mpaths_per_second'):.3f}", f"{ratio(rows, mitsuba, 'relmse'):.3f}", ""])
+        return {"seconds": row["seconds"]["median"], "mpaths_per_second": row["mpaths_per_second"],
+                "accel": row["variant"]}
+
+    rows = {name: [] for name in variants}
+    for seed in range(1, bench.repeats + 1):
+        for name, extra in variants.items():
+            row = run(extra, 400, seed)
+            run(extra, 100, seed)
+            rows[name].append({**row, **bench.compare(picture, reference)})
+    table = [["renderer", "s", "Mpaths/s", "relMSE at 64 spp", "mean ratio to our reference",
+              "Raylab's Mpaths/s over it", "Raylab's relMSE over it"]]
+    for name, group in rows.items():
+        table.append([f"{name}, {group[0]['accel']}", f"{median(group, 'seconds'):.3f}",
+                      f"{median(group, 'mpaths_per_second'):.3f}", f"{median(group, 'relmse'):.4f}",
+                      f"{statistics.mean(r['mean_ratio'] for r in group):.4f} ± "
+                      f"{median(group, 'mean_ratio_error') / len(group) ** 0.5:.1g}",
+                      f"{ratio(rows[ours], group, 'mpaths_per_second'):.3f}",
+                      f"{ratio(rows[ours], group, 'relmse'):.3f}"])
     return table
 
 
@@ -184,7 +193,7 @@ def dragon(bench):
               "estimated relMSE"]]
     for name in ["default", "embree", "embree-robust"]:
         rows = [bench.render("dragon", spp=200, **({} if name == "default" else {"accel": name}))
-                for _ in range(min(bench.repeats, 3))]
+                for _ in range(1 if name != "default" else min(bench.repeats, 2))]
         label = f"{name} ({rows[0]['accel']})" if name == "default" else name
         table.append([label, *(f"{median(rows, key):.2f}" for key in
                                ["process_seconds", "load_seconds", "build_seconds", "seconds", "mpaths_per_second"]),

@@ -41,7 +41,7 @@ class ColorReader {
 
  private:
   Texture picture(const TomlValue& value, const std::string& path, const Numbers& range) const {
-    const std::string& name = string_of(value, path + ".image");
+    const std::string name = string_of(value, path + ".image");
     const std::filesystem::path file = folder_ / name;
     if (!is_file(file)) value.fail(path + ".image", "an existing file");
     Texture texture;

@@ -96,7 +96,7 @@ Environment read_background(const TomlValue* table, const std::filesystem::path&
     environment.top = vec3_of(*top, "background.top", kNotNegative);
   }
   if (image != nullptr) {
-    const std::string& name = string_of(*image, "background.image");
+    const std::string name = string_of(*image, "background.image");
     const std::filesystem::path file = folder / name;
     if (!is_exr(file)) image->fail("background.image", "the name of an EXR file");
     if (!is_file(file)) image->fail("background.image", "an existing file");
