@@ -118,7 +118,7 @@ def samplers(bench):
 def needs(bench):
     """What a scene does without, against everything switched on."""
     table = [["scene", "scene bytes", "scene bytes, all on", "light bytes", "light bytes, all on", "s", "s, all on",
-              "s all on / s", "pixels that differ"]]
+              "s all on / s", "estimated relMSE", "estimated relMSE, all on", "pixels that differ"]]
     for scene, settings in {"cornell": {"width": 400, "spp": 16}, "globe": {"width": 400, "spp": 16},
                             "forest": {"width": 400, "spp": 16}, "dragon": {"width": 400, "spp": 16}}.items():
         rows = bench.interleaved({kind: {"needs": kind, **settings} for kind in ["scene", "all"]}, scene)
@@ -129,6 +129,7 @@ def needs(bench):
         table.append([scene, needed[0]["scene_bytes"], everything[0]["scene_bytes"], needed[0]["light_bytes"],
                       everything[0]["light_bytes"], f"{median(needed, 'seconds'):.3f}",
                       f"{median(everything, 'seconds'):.3f}", f"{ratio(everything, needed, 'seconds'):.3f}",
+                      f"{needed[0]['estimated_relmse']:.4f}", f"{everything[0]['estimated_relmse']:.4f}",
                       bench.compare(*pictures)["different_pixels"]])
     return table
 

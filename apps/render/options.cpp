@@ -42,7 +42,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--accel", command.accel, "Accelerator by name, see --list-accels")->capture_default_str();
   app.add_option("--intersector", command.intersector,
                  "Triangle test of the hand-written accelerators: book, fast or watertight");
-  app.add_option("--bvh-quality", command.bvh_quality, "Builder of bvh: fast, balanced or best");
+  app.add_option("--bvh-quality", command.bvh_quality, "Builder of bvh: fast, balanced or best (so far the tree of balanced)");
   app.add_option("--isa", command.isa, "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
   app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
   app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();

@@ -45,7 +45,7 @@ class Accelerator {
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
-/// How much building time `bvh` may spend on a better tree.
+/// How much building time `bvh` may spend on a better tree. So far `best` builds the tree of `balanced`.
 enum class BvhQuality { fast, balanced, best };
 
 /// Instruction sets that `bvh` is compiled for, from the oldest to the newest.
