@@ -1,0 +1,95 @@
+#include "raylab/measure/judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "raylab/core/parallel.hpp"
+
+namespace raylab {
+
+namespace {
+
+/// Distance at which the rays around a ray run, in ulp of the largest coordinate: beyond what rounding moves.
+constexpr float kAroundUlp = 32.0f;
+
+float largest_coordinate(const Ray& ray, const Geometry& geometry, const PrimitiveId& id) {
+  const Bounds b = primitive_bounds(geometry, id);
+  return max_component(glm::max(glm::abs(ray.origin), glm::max(glm::abs(b.lower), glm::abs(b.upper))));
+}
+
+/// Eight rays parallel to the given one, evenly spaced around it.
+std::array<Ray, 8> rays_around(const Ray& ray, float distance) {
+  const dvec3 d = dvec3(ray.direction) / static_cast<double>(max_component(glm::abs(ray.direction)));
+  const dvec3 a = glm::abs(d);
+  const dvec3 axis(a.x <= a.y && a.x <= a.z, a.y < a.x && a.y <= a.z, a.z < a.x && a.z < a.y);
+  const dvec3 e1 = glm::normalize(glm::cross(d, axis));
+  const dvec3 e2 = glm::normalize(glm::cross(d, e1));
+  std::array<Ray, 8> around;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const double angle = 0.25 * static_cast<double>(kPi) * static_cast<double>(i);
+    const dvec3 offset = static_cast<double>(distance) * (std::cos(angle) * e1 + std::sin(angle) * e2);
+    around[i] = ray;
+    around[i].origin = vec3(dvec3(ray.origin) + offset);
+  }
+  return around;
+}
+
+/// Whether the surface stops the rays around this one too, before the place `passed_to` the accelerator got to. At
+/// a silhouette it does not, and whether the ray itself is stopped is a matter of rounding.
+bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, const Ray& ray, const Hit& hit,
+                       float passed_to) {
+  const float largest = largest_coordinate(ray, geometry, {hit.geometry, hit.primitive});
+  const float ulp = std::max(next_float_up(largest) - largest, std::numeric_limits<float>::min());
+  for (Ray neighbour : rays_around(ray, kAroundUlp * ulp)) {
+    neighbour.t_max = std::min(neighbour.t_max, passed_to);
+    if (!exact.occluded(neighbour)) return false;
+  }
+  return true;
+}
+
+/// How far along the ray the accelerator got when that is farther than it should have, else 0.
+float passed_to(const Disagreement& d) {
+  if (!d.judged) return 0.0f;
+  if (!d.tested) return d.ray.t_max;
+  // Far enough behind not to be the same place.
+  return d.tested->t > d.judged->t * (1.0f + 0x1p-12f) ? d.tested->t * (1.0f - 0x1p-14f) : 0.0f;
+}
+
+Finding find_passages(const Geometry& geometry, const Accelerator& judged, const Accelerator& exact,
+                      std::span<const Ray> rays) {
+  std::vector<char> leaked(rays.size());
+  parallel_for(rays.size(), [&](std::size_t i) {
+    const Disagreement d{rays[i], judged.intersect(rays[i]), exact.intersect(rays[i])};
+    const float end = passed_to(d);
+    leaked[i] = end > 0.0f && is_stopped_around(geometry, exact, rays[i], *d.judged, end);
+  });
+  Finding leaks;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!leaked[i]) continue;
+    if (leaks.count++ == 0) {
+      leaks.first = Disagreement{rays[i], judged.intersect(rays[i]), exact.intersect(rays[i])};
+    }
+  }
+  return leaks;
+}
+
+}  // namespace
+
+HitErrors judge_hits(const Geometry& geometry, const Accelerator& judged, const Accelerator& exact,
+                     std::span<const Ray> rays, Surface surface) {
+  const AgreementReport report = compare_hits(judged, exact, geometry, rays);
+  HitErrors errors;
+  errors.rays_checked = report.rays;
+  errors.hits = report.hits;
+  errors.false_misses = report.false_misses;
+  errors.false_hits = report.false_hits;
+  errors.wrong_primitives = report.wrong_primitives;
+  errors.undecided = report.undecided;
+  errors.t_error_ulp = report.t_error_ulp;
+  if (surface == Surface::closed) errors.leaks = find_passages(geometry, judged, exact, rays);
+  return errors;
+}
+
+}  // namespace raylab
