@@ -33,4 +33,10 @@ inline float next_float_up(float x) {
 /// The next float towards -infinity. -infinity and NaN are returned as they are.
 inline float next_float_down(float x) { return -next_float_up(-x); }
 
+/// x, or 0 in place of a denormal, whatever the flags of the thread.
+inline float without_denormal(float x) {
+  constexpr std::uint32_t exponent_bits = 0x7f800000u;
+  return (std::bit_cast<std::uint32_t>(x) & exponent_bits) == 0 ? 0.0f : x;
+}
+
 }  // namespace raylab
