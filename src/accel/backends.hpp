@@ -11,6 +11,7 @@ std::unique_ptr<Accelerator> make_rtiow(const Geometry& geometry, const Accelera
 std::unique_ptr<Accelerator> make_bvh(const Geometry& geometry, const AcceleratorOptions& options);
 std::unique_ptr<Accelerator> make_embree(const Geometry& geometry, const AcceleratorOptions& options);
 std::unique_ptr<Accelerator> make_embree_robust(const Geometry& geometry, const AcceleratorOptions& options);
+std::unique_ptr<Accelerator> make_exact(const Geometry& geometry, const AcceleratorOptions& options);
 
 /// Backend<kind>(geometry), for an intersector known only at run time.
 template <template <Intersector> class Backend>

@@ -18,6 +18,7 @@ std::vector<AcceleratorEntry>& table() {
       {"bvh", "Raylab's own wide BVH, watertight", make_bvh},
       {"embree", "Intel Embree in its default, fast mode", make_embree},
       {"embree-robust", "Intel Embree in its robust mode", make_embree_robust},
+      {"exact", "decides every hit in exact arithmetic: the judge, and slow", make_exact},
   };
   return entries;
 }
@@ -98,7 +99,7 @@ std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geome
   std::vector<std::string> names;
   for (const AcceleratorEntry& entry : table()) {
     if (entry.name == name) {
-      if (name == "list" || name == "rtiow" || name == "embree" || name == "embree-robust") {
+      if (name == "list" || name == "rtiow" || name == "embree" || name == "embree-robust" || name == "exact") {
         check_bvh_options(name, options);
       }
       return entry.make(geometry, options);
