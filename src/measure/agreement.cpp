@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "raylab/core/parallel.hpp"
+#include "raylab/geometry/exact.hpp"
 #include "raylab/geometry/primitive_test.hpp"
 
 namespace raylab {
@@ -77,6 +78,12 @@ bool is_where_it_says(const Ray& ray, const Geometry& geometry, const Hit& hit) 
   return test(geometry, id, hit.t - 2.0f * slack, hit.t + 2.0f * slack).has_value();
 }
 
+/// The t of the hit before it was rounded, where the exact ray meets that primitive.
+double exact_t(const Ray& ray, const Geometry& geometry, const Hit& hit) {
+  const auto crossing = ExactTest(geometry, ray)({hit.geometry, hit.primitive});
+  return crossing ? crossing->t : static_cast<double>(hit.t);
+}
+
 void add(Finding& finding, const Disagreement& d) {
   if (finding.count++ == 0) finding.first = d;
 }
@@ -103,14 +110,15 @@ void compare(const Accelerator& tested, const Accelerator& judge, const Geometry
 
   const bool both = d.tested && d.judged;
   if (both) {
-    const double error = std::abs(static_cast<double>(d.tested->t) - d.judged->t);
-    if (d.tested->primitive == d.judged->primitive && d.tested->geometry == d.judged->geometry) {
-      partial.t_errors.push_back(error / ulp(d.judged->t));
-    } else if (!is_where_it_says(ray, geometry, *d.tested)) {
+    const double error = std::abs(static_cast<double>(d.tested->t) - exact_t(ray, geometry, *d.judged));
+    const bool same = d.tested->primitive == d.judged->primitive && d.tested->geometry == d.judged->geometry;
+    if (!same && !is_where_it_says(ray, geometry, *d.tested)) {
       add(report.wrong_primitives, d);
       return;
     }
-    if (error <= t_tolerance(ray, geometry, *d.judged)) return;
+    const bool near = error <= t_tolerance(ray, geometry, *d.judged);
+    if (same || near) partial.t_errors.push_back(error / ulp(d.judged->t));
+    if (near) return;
   }
   const Hit& nearer = both       ? (d.tested->t < d.judged->t ? *d.tested : *d.judged)
                       : d.tested ? *d.tested

@@ -36,8 +36,8 @@ std::array<Ray, 8> rays_around(const Ray& ray, float distance) {
   return around;
 }
 
-/// Whether the surface stops the rays around this one too, before the place `passed_to` the accelerator got to. At
-/// a silhouette it does not, and whether the ray itself is stopped is a matter of rounding.
+/// Whether the surface stops the rays around this one too, before `passed_to`. At a silhouette it does not, and
+/// whether the ray itself is stopped is a matter of rounding.
 bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, const Ray& ray, const Hit& hit,
                        float passed_to) {
   const float largest = largest_coordinate(ray, geometry, {hit.geometry, hit.primitive});
@@ -49,12 +49,13 @@ bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, const
   return true;
 }
 
-/// How far along the ray the accelerator got when that is farther than it should have, else 0.
+/// Where the accelerator is past the surface for certain, if it went through: half way to what it hit instead.
 float passed_to(const Disagreement& d) {
   if (!d.judged) return 0.0f;
   if (!d.tested) return d.ray.t_max;
-  // Far enough behind not to be the same place.
-  return d.tested->t > d.judged->t * (1.0f + 0x1p-12f) ? d.tested->t * (1.0f - 0x1p-14f) : 0.0f;
+  // Less apart they may be the same place.
+  if (!(d.tested->t > d.judged->t * (1.0f + 0x1p-12f))) return 0.0f;
+  return 0.5f * d.judged->t + 0.5f * d.tested->t;
 }
 
 Finding find_passages(const Geometry& geometry, const Accelerator& judged, const Accelerator& exact,

@@ -23,7 +23,7 @@ struct Finding {
   std::optional<Disagreement> first;
 };
 
-/// Distribution of |t tested - t judged| in ulp of the judged t.
+/// Distribution of |t tested - exact t of the primitive judged to be hit|, in ulp of the latter.
 struct UlpError {
   double p50 = 0.0;
   double p99 = 0.0;
@@ -43,7 +43,7 @@ struct AgreementReport {
   Finding wrong_primitives;
   Finding occlusion;  ///< occluded() of the tested one is not what its own intersect() says
   std::size_t undecided = 0;
-  UlpError t_error_ulp;  ///< where both hit the same primitive
+  UlpError t_error_ulp;  ///< where both hit the same primitive, or at the same place
 
   bool agrees() const {
     return false_misses.count + false_hits.count + wrong_primitives.count + occlusion.count == 0;

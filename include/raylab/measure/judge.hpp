@@ -25,7 +25,7 @@ struct HitErrors {
   /// primitive named is not there.
   Finding wrong_primitives;
   std::size_t undecided = 0;  ///< differences within 8 ulp of an outline or of an end of the interval: not errors
-  UlpError t_error_ulp;       ///< in ulp of the exact t, where both name the same primitive
+  UlpError t_error_ulp;       ///< in ulp of the exact t, where both hit the same primitive, or at the same place
 };
 
 /// Judges the hits of an accelerator by those of `exact`, which was built for the same geometry. Clear of an
