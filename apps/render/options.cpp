@@ -14,8 +14,9 @@ namespace {
 
 /// Quotes an argument so that a shell reads it back as it was.
 std::string shell_word(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                             "0123456789_-./=,:+@%") == std::string::npos;
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-./=,:+@%") == std::string::npos;
   if (plain) return word;
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -26,11 +27,15 @@ const std::vector<std::string> kLayers{"albedo", "normal", "depth", "variance", 
 
 }  // namespace
 
+std::string command_line(const std::string& program, int argc, char** argv) {
+  std::string line = program;
+  for (int i = 1; i < argc; ++i) line += " " + shell_word(argv[i]);
+  return line;
+}
+
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code) {
   RenderCommand command;
-  for (int i = 0; i < argc; ++i) {
-    command.command_line += (i == 0 ? "" : " ") + shell_word(i == 0 ? "raylab-render" : argv[i]);
-  }
+  command.command_line = command_line("raylab-render", argc, argv);
 
   CLI::App app{"Renders a scene file to EXR or PNG pictures."};
   app.name("raylab-render");
@@ -42,8 +47,10 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--accel", command.accel, "Accelerator by name, see --list-accels")->capture_default_str();
   app.add_option("--intersector", command.intersector,
                  "Triangle test of the hand-written accelerators: book, fast or watertight");
-  app.add_option("--bvh-quality", command.bvh_quality, "Builder of bvh: fast, balanced or best (so far the tree of balanced)");
-  app.add_option("--isa", command.isa, "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
+  app.add_option("--bvh-quality", command.bvh_quality,
+                 "Builder of bvh: fast, balanced or best (so far the tree of balanced)");
+  app.add_option("--isa", command.isa,
+                 "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
   app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
   app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
   app.add_option("--ray-offset", command.ray_offset,

@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "progress.hpp"
 #include "raylab/render/render_session.hpp"
 
 namespace raylab {
-
-enum class ProgressKind { automatic, lines, json, none };
 
 /// The command line of raylab-render.
 struct RenderCommand {
@@ -37,6 +36,9 @@ struct RenderCommand {
   bool quiet = false;
   std::string command_line;  ///< as typed, for file attributes
 };
+
+/// A command line, quoted so that a shell reads it back as it was typed; the program by its name alone.
+std::string command_line(const std::string& program, int argc, char** argv);
 
 /// Parses argv. Returns nothing when there is nothing left to do (--help, --version), with the exit code set.
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code);

@@ -1,10 +1,11 @@
 #pragma once
-#include "options.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
 
-/// Shows how far a render has come, on standard error: a bar on a terminal, else a line every 10 s, or JSON lines.
+enum class ProgressKind { automatic, lines, json, none };
+
+/// Shows how far a run has come, on standard error: a bar on a terminal, else a line every 10 s, or JSON lines.
 class Progress {
  public:
   explicit Progress(ProgressKind kind);

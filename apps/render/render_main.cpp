@@ -1,14 +1,12 @@
 #include "raylab/apps/render_main.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
 
+#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "raylab/core/atomic_file.hpp"
@@ -21,38 +19,6 @@
 namespace raylab {
 
 namespace {
-
-constexpr int kInterrupted = 130;
-
-// `timeout` and job schedulers signal both the process and its group: two signals are one wish. The third ends the
-// program at once.
-constexpr int kImpatient = 3;
-volatile std::sig_atomic_t interrupted = 0;
-void on_interrupt(int) {
-  interrupted = interrupted + 1;
-  if (interrupted >= kImpatient) _exit(kInterrupted);
-}
-
-/// While it lives, Ctrl-C ends the render and not the program.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    interrupted = 0;
-    struct sigaction action {};
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, &old_int_);
-    sigaction(SIGTERM, &action, &old_term_);
-  }
-  ~InterruptGuard() {
-    sigaction(SIGINT, &old_int_, nullptr);
-    sigaction(SIGTERM, &old_term_, nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  struct sigaction old_int_ {}, old_term_ {};
-};
 
 void list_accelerators() {
   for (const AcceleratorEntry& entry : accelerators()) {
@@ -79,8 +45,8 @@ std::vector<Layer> make_layers(const RenderCommand& command, const Scene& scene,
   std::vector<Layer> layers;
   if (wants(command, "albedo") || wants(command, "normal") || wants(command, "depth")) {
     constexpr std::uint32_t kFeatureSamples = 16;
-    FirstHitFeatures features = first_hit_features(scene, accelerator, options,
-                                                   std::min(kFeatureSamples, options.samples_per_pixel));
+    FirstHitFeatures features =
+        first_hit_features(scene, accelerator, options, std::min(kFeatureSamples, options.samples_per_pixel));
     if (wants(command, "albedo")) add_rgb(layers, "albedo", "RGB", false, features.albedo);
     if (wants(command, "normal")) add_rgb(layers, "N", "XYZ", false, features.normal);
     if (wants(command, "depth")) layers.push_back({"Z", true, std::move(features.depth)});
@@ -159,7 +125,7 @@ int render(const RenderCommand& command) {
   session.start();
   while (!session.wait_for(0.05)) {
     progress.update(session.progress());
-    if (interrupted > 0) session.request_stop();
+    if (InterruptGuard::interrupted()) session.request_stop();
   }
   session.stop();
   progress.finish(session.progress());

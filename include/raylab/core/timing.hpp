@@ -1,4 +1,6 @@
 #pragma once
+#include <time.h>
+
 #include <chrono>
 
 namespace raylab {
@@ -12,6 +14,26 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Whose processor time a CpuStopwatch counts.
+enum class CpuClock : clockid_t { thread = CLOCK_THREAD_CPUTIME_ID, process = CLOCK_PROCESS_CPUTIME_ID };
+
+/// Processor seconds since construction: time that went to other programs does not count.
+class CpuStopwatch {
+ public:
+  explicit CpuStopwatch(CpuClock clock) : clock_(clock), start_(now()) {}
+  double seconds() const { return now() - start_; }
+
+ private:
+  double now() const {
+    timespec time{};
+    clock_gettime(static_cast<clockid_t>(clock_), &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  CpuClock clock_;
+  double start_;
 };
 
 }  // namespace raylab

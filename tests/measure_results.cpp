@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "catch.hpp"
+#include "expect_error.hpp"
+#include "raylab/measure/results.hpp"
+#include "raylab/measure/statistics.hpp"
+#include "temp_folder.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+
+namespace {
+
+Row row(const std::string& accel, double speed) {
+  return {{"suite", "rays"}, {"scene", "box"}, {"accel", accel}, {"mrays_per_second", {{"median", speed}}}};
+}
+
+}  // namespace
+
+TEST_CASE("the spread of values is their median, smallest and largest", "[unit][measure]") {
+  const Spread odd = spread_of({3.0, 1.0, 2.0});
+  CHECK(odd.median == 2.0);
+  CHECK(odd.min == 1.0);
+  CHECK(odd.max == 3.0);
+  CHECK(spread_of({4.0, 1.0, 2.0, 8.0}).median == 3.0);
+  CHECK(spread_of({7.0}).median == 7.0);
+}
+
+TEST_CASE("the standard error of a mean is the deviation over the root of the number", "[unit][measure]") {
+  const MeanAndError m = mean_and_error({1.0, 2.0, 3.0, 4.0});
+  CHECK(m.mean == 2.5);
+  CHECK(m.error == Approx(std::sqrt(5.0 / 3.0 / 4.0)));
+  CHECK(std::isinf(mean_and_error({1.0}).error));
+}
+
+TEST_CASE("a results folder gives back the rows that were added", "[unit][measure]") {
+  const TempFolder folder;
+  ResultsFolder results(folder / "new", "rays", "raylab-bench rays box.toml");
+  results.add({row("bvh", 2.5), row("embree", 3.5)});
+  const Results read = read_results(folder / "new");
+  CHECK(read.rows == std::vector<Row>{row("bvh", 2.5), row("embree", 3.5)});
+  CHECK(same_machine(read.machine, describe_machine()));
+  REQUIRE(read.runs.size() == 1);
+  CHECK(read.runs[0]["command"] == "raylab-bench rays box.toml");
+  CHECK(read.runs[0]["complete"] == false);
+  results.finish();
+  CHECK(read_results(folder / "new").runs[0]["complete"] == true);
+}
+
+TEST_CASE("a row measured anew takes the place of the old one, and the rest of the folder stays",
+          "[unit][measure]") {
+  const TempFolder folder;
+  ResultsFolder(folder.path(), "rays", "first").add({row("bvh", 2.5), row("embree", 3.5)});
+  ResultsFolder(folder.path(), "rays", "second").add({row("bvh", 2.75), row("list", 0.5)});
+  const Results read = read_results(folder.path());
+  CHECK(read.rows == std::vector<Row>{row("bvh", 2.75), row("embree", 3.5), row("list", 0.5)});
+  CHECK(read.runs.size() == 2);
+}
+
+TEST_CASE("the key of a row is what it measures, not what came out", "[unit][measure]") {
+  CHECK(row_key(row("bvh", 1.0)) == row_key(row("bvh", 2.0)));
+  CHECK(row_key(row("bvh", 1.0)) != row_key(row("list", 1.0)));
+  Row other = row("bvh", 1.0);
+  other["rays"] = "shadow";
+  CHECK(row_key(row("bvh", 1.0)) != row_key(other));
+}
+
+TEST_CASE("CSV has a column for each field, empty where a row has none, and quotes what needs it",
+          "[unit][measure]") {
+  Row first = row("bvh", 2.5);
+  Row second{{"suite", "build"}, {"scene", "a \"b\", c"}, {"bytes", 12}};
+  CHECK(to_csv({first, second}) ==
+        "suite,scene,bytes,accel,mrays_per_second.median\r\n"
+        "rays,box,,bvh,2.5\r\n"
+        "build,\"a \"\"b\"\", c\",12,,\r\n");
+}
+
+TEST_CASE("results.json that is cut off is refused with the place where it ends", "[unit][measure]") {
+  const TempFolder folder;
+  ResultsFolder(folder.path(), "rays", "command").add({row("bvh", 2.5)});
+  const std::string whole = read_text(folder / "results.json");
+  const std::string file = (folder / "results.json").string();
+  write_text(folder / "results.json", whole.substr(0, whole.find("\"rows\"") + 12));
+  const auto lines =
+      std::count(whole.begin(), whole.begin() + static_cast<long>(whole.find("\"rows\"")), '\n') + 2;
+  expect_error(ErrorKind::input, file + ":" + std::to_string(lines) + ":3", {"truncated"},
+               [&] { (void)read_results(folder.path()); });
+  write_text(folder / "results.json", "{\n \"machine\": {},\n \"rows\": nonsense\n}\n");
+  expect_error(ErrorKind::input, file + ":3:11", {"not JSON"}, [&] { (void)read_results(folder.path()); });
+}
+
+TEST_CASE("results.json that holds something else is refused with the place inside it", "[unit][measure]") {
+  const TempFolder folder;
+  const std::string file = (folder / "results.json").string();
+  const auto refused = [&](const std::string& text, const char* where) {
+    write_text(folder / "results.json", text);
+    expect_error(ErrorKind::input, file, {where}, [&] { (void)read_results(folder.path()); });
+  };
+  refused("[]", "the document: expected an object");
+  refused("{\"rows\": []}", "machine: expected an object");
+  refused("{\"machine\": {}}", "rows: expected an array");
+  refused("{\"machine\": {}, \"rows\": [{\"suite\": \"rays\"}, 7]}", "rows[1]: expected an object");
+  refused("{\"machine\": {}, \"rows\": [{\"scene\": \"box\"}]}", "rows[0]: expected a text \"suite\"");
+  expect_error(ErrorKind::input, (folder / "absent/results.json").string(), {"cannot be read"},
+               [&] { (void)read_results(folder / "absent"); });
+}
+
+TEST_CASE("results of another machine are not added to", "[unit][measure]") {
+  const TempFolder folder;
+  write_text(folder / "results.json",
+             "{\"machine\": {\"cpu\": \"abacus\", \"threads\": 1, \"memory_gib\": 1}, \"rows\": [{\"suite\": "
+             "\"rays\"}]}");
+  expect_error(ErrorKind::usage, folder.path().string(), {"another machine"},
+               [&] { ResultsFolder(folder.path(), "rays", "command"); });
+}
+
+TEST_CASE("a results folder that cannot be written is known before anything is measured", "[unit][measure]") {
+  const TempFolder folder;
+  write_text(folder / "file", "");
+  expect_error(ErrorKind::output, (folder / "file").string(), {"cannot be made"},
+               [&] { ResultsFolder(folder / "file", "rays", "command"); });
+  expect_error(ErrorKind::output, (folder / "file" / "results").string(), {"cannot be made"},
+               [&] { ResultsFolder(folder / "file" / "results", "rays", "command"); });
+}
