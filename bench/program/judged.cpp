@@ -1,0 +1,62 @@
+#include "judged.hpp"
+
+#include <algorithm>
+
+#include "raylab/core/parallel.hpp"
+
+namespace raylab::bench {
+
+namespace {
+
+std::size_t count_errors(const HitErrors& e) {
+  return e.leaks.count + e.false_misses.count + e.false_hits.count + e.wrong_primitives.count;
+}
+
+/// Rays with at least one error.
+std::size_t count_wrong(const Geometry& geometry, const Accelerator& judged, const Accelerator& exact,
+                        std::span<const Ray> rays, const HitErrors& errors) {
+  if (errors.leaks.count == 0) return count_errors(errors);  // the other kinds exclude one another
+  std::vector<char> wrong(rays.size());
+  parallel_for(rays.size(), [&](std::size_t i) {
+    wrong[i] = count_errors(judge_hits(geometry, judged, exact, rays.subspan(i, 1), Surface::closed)) > 0;
+  });
+  return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), 1));
+}
+
+}  // namespace
+
+Judge::Judge(const Geometry& geometry) : geometry_(geometry), exact_(make_accelerator("exact", geometry)) {}
+
+std::vector<Judgement> Judge::operator()(std::span<const Accelerator* const> accelerators, const RaySet& set,
+                                         std::size_t count, Suite& suite) const {
+  const std::vector<Ray> rays = evenly_spaced(set.rays, count);
+  std::vector<Judgement> judgements;
+  for (const Accelerator* accelerator : accelerators) {
+    // A scene's surfaces may be open elsewhere: a leak is judged by the surface right around the ray.
+    const HitErrors errors = judge_hits(geometry_, *accelerator, *exact_, rays, Surface::closed);
+    judgements.push_back({errors, count_wrong(geometry_, *accelerator, *exact_, rays, errors)});
+    suite.check();
+  }
+  return judgements;
+}
+
+void add_fields(Row& row, const Judgement& j) {
+  const HitErrors& e = j.errors;
+  row["rays_checked"] = e.rays_checked;
+  row["leaks"] = e.leaks.count;
+  row["false_misses"] = e.false_misses.count;
+  row["false_hits"] = e.false_hits.count;
+  row["wrong_primitives"] = e.wrong_primitives.count;
+  row["wrong"] = j.wrong;
+  row["t_error_ulp"] = {{"p50", e.t_error_ulp.p50}, {"p99", e.t_error_ulp.p99}, {"max", e.t_error_ulp.max}};
+}
+
+std::string judgement_text(const Row& row) {
+  const auto count = [&](const char* field) { return row[field].get<std::size_t>(); };
+  return format(
+      "of %zu: %zu leaks, %zu false misses, %zu false hits, %zu wrong primitives; t off by %.3g ulp at most",
+      count("rays_checked"), count("leaks"), count("false_misses"), count("false_hits"), count("wrong_primitives"),
+      row["t_error_ulp"]["max"].get<double>());
+}
+
+}  // namespace raylab::bench

@@ -1,0 +1,36 @@
+#pragma once
+// How many of an accelerator's answers are wrong, as fields of a row.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "raylab/measure/judge.hpp"
+#include "raylab/measure/path_rays.hpp"
+#include "suite.hpp"
+
+namespace raylab::bench {
+
+struct Judgement {
+  HitErrors errors;
+  std::size_t wrong = 0;  ///< rays with any error: the kinds overlap
+};
+
+/// Knows the right answers for one geometry, which must outlive it.
+class Judge {
+ public:
+  explicit Judge(const Geometry& geometry);
+
+  /// Checks each accelerator on `count` of the rays, evenly spaced.
+  std::vector<Judgement> operator()(std::span<const Accelerator* const> accelerators, const RaySet& set,
+                                    std::size_t count, Suite& suite) const;
+
+ private:
+  const Geometry& geometry_;
+  std::unique_ptr<Accelerator> exact_;
+};
+
+void add_fields(Row& row, const Judgement& judgement);
+std::string judgement_text(const Row& row);
+
+}  // namespace raylab::bench

@@ -1,0 +1,84 @@
+#pragma once
+// What every suite of raylab-bench has in common.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "interrupt.hpp"
+#include "progress.hpp"
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/io/scene_file.hpp"
+#include "raylab/measure/results.hpp"
+#include "raylab/measure/statistics.hpp"
+
+namespace raylab::bench {
+
+/// The run was interrupted; what was measured is written.
+struct Interrupted {};
+
+/// One run of a suite: where its rows go, and how far it has come.
+class Suite {
+ public:
+  /// Throws as ResultsFolder's constructor.
+  Suite(const std::filesystem::path& folder, const std::string& name, const std::string& command)
+      : folder_(folder, name, command), progress_(ProgressKind::automatic) {}
+
+  /// Work to be done in all, in any unit, and work done since the last call.
+  void expect(double work) { expected_ += work; }
+  void advance(double work) { done_ += work; }
+
+  /// Shows the progress; throws Interrupted when the user wants to stop. `ahead` is work under way.
+  void check(double ahead = 0.0);
+
+  /// Writes the rows to the folder, and a line on standard output for each.
+  void add(const std::vector<Row>& rows, const std::vector<std::string>& lines);
+
+  /// A line on standard error, the bar out of the way.
+  void note(const std::string& line);
+
+  void finish();
+
+  ResultsFolder& folder() { return folder_; }
+
+ private:
+  ResultsFolder folder_;
+  Progress progress_;
+  double expected_ = 0.0;
+  double done_ = 0.0;
+};
+
+/// Loads the scene, telling its warnings; its name is that of the file without folder and ending.
+LoadedScene load(Suite& suite, const std::string& file);
+
+/// An accelerator and, where it has a choice, its triangle test.
+struct Variant {
+  std::string accel;
+  std::string intersector;  ///< empty: the accelerator has no choice
+
+  std::string name() const { return intersector.empty() ? accel : accel + " " + intersector; }
+};
+
+/// The accelerators named, or all but the judge, each with the intersectors named, or all, where it has a choice.
+/// Throws Error (usage) for unknown names.
+std::vector<Variant> variants(const std::vector<std::string>& accels,
+                              const std::vector<std::string>& intersectors);
+
+/// Whether it tests every primitive: no use on large scenes.
+bool is_brute_force(const Variant& variant);
+
+/// Builds it, several times while that takes no time worth saving.
+struct Built {
+  std::unique_ptr<Accelerator> accelerator;
+  Spread build_seconds;
+};
+Built build(const Variant& variant, const Geometry& geometry, int threads);
+
+/// Fields of a row that an accelerator brings along.
+void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built);
+
+Row to_row(const Spread& spread);
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...);
+
+}  // namespace raylab::bench

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Draws the charts of a folder of results, from its results.json alone, and index.html that shows them.
+
+    bench/report/report.py DIR [--png]
+
+Called by `raylab-bench report DIR`. Needs matplotlib (Debian package python3-matplotlib).
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import page  # noqa: E402
+import rays_charts  # noqa: E402
+import style  # noqa: E402
+
+SUITES = [rays_charts]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("--png", action="store_true", help="also as PNG")
+    options = parser.parse_args()
+    try:
+        results = json.loads((options.folder / "results.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        print(f"report.py: {options.folder / 'results.json'}: {error}", file=sys.stderr)
+        return 3
+    shown = []
+    try:
+        for suite in SUITES:
+            for name, caption, figure in suite.charts(results):
+                style.save(figure, options.folder, name, options.png)
+                shown.append((name, caption))
+        page.write(options.folder, results, shown)
+    except OSError as error:
+        print(f"report.py: {error}", file=sys.stderr)
+        return 4
+    print(options.folder / "index.html")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
