@@ -1,9 +1,11 @@
 // `bvh`: the same hits as without a tree, with every instruction set the machine has.
+#include <algorithm>
 #include <cmath>
 
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/numeric.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/ray_sets.hpp"
 #include "raylab/measure/shapes.hpp"
@@ -26,10 +28,38 @@ std::vector<std::unique_ptr<Accelerator>> for_every_isa(const Geometry& geometry
   return all;
 }
 
+/// Batches of any size give the answers of single rays, intervals that end at a hit included.
+void check_batches(const Accelerator& accelerator, std::vector<Ray> rays) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto hit = accelerator.intersect(rays[i]);
+    if (!hit || i % 3 == 0) continue;
+    if (i % 3 == 1) rays[i].t_max = i % 2 == 0 ? hit->t : next_float_up(hit->t);
+    if (i % 3 == 2) rays[i].t_min = i % 2 == 0 ? hit->t : next_float_down(hit->t);
+  }
+  const RayArrays arrays(rays);
+  std::size_t first = 0;
+  for (std::size_t size = 1; first < rays.size(); size = size % 50 + 1) {
+    const std::size_t count = std::min(size, rays.size() - first);
+    HitArrays hits(count);
+    std::vector<std::uint8_t> occluded(count, 7);
+    accelerator.intersect_batch(arrays.batch(first, count), hits.batch());
+    accelerator.occluded_batch(arrays.batch(first, count), occluded.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      INFO("ray " << first + i << ", " << i << " of a batch of " << count);
+      const auto single = accelerator.intersect(rays[first + i]);
+      REQUIRE(hits[i] == single);
+      REQUIRE(occluded[i] == (single ? 1 : 0));
+    }
+    first += count;
+  }
+}
+
 /// Not one bit of a hit may differ from that of `list` with the same intersector.
-void check_equal_hits(const std::string& what, const Geometry& geometry, const std::vector<Ray>& rays) {
+void check_equal_hits(const std::string& what, const Geometry& geometry, const std::vector<Ray>& rays,
+                      const std::vector<Intersector>& intersectors = {Intersector::book, Intersector::fast,
+                                                                      Intersector::watertight}) {
   const FlushDenormals flush;
-  for (const Intersector intersector : {Intersector::book, Intersector::fast, Intersector::watertight}) {
+  for (const Intersector intersector : intersectors) {
     const auto list = make_accelerator("list", geometry, {.intersector = intersector});
     for (const auto& bvh : for_every_isa(geometry, intersector)) {
       INFO(what << ", " << intersector_name(intersector) << ", " << bvh->build_report().isa);
@@ -39,6 +69,7 @@ void check_equal_hits(const std::string& what, const Geometry& geometry, const s
         REQUIRE(bvh->intersect(rays[i]) == expected);
         REQUIRE(bvh->occluded(rays[i]) == expected.has_value());
       }
+      check_batches(*bvh, rays);
     }
   }
 }
@@ -67,6 +98,22 @@ TEST_CASE("bvh gives the hits of list, bit for bit, with every instruction set a
                        sphere_soup(200, 1.0f, 0.2f, 3)};
   check_equal_hits("mixed", mixed, random_rays(mixed.bounds(), 3000, 3));
   check_equal_hits("mixed", mixed, awkward_rays(mixed.bounds(), 1000));
+}
+
+TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to directions of any length", "[agreement]") {
+  const Geometry mixed{{icosphere(vec3(0.0f), 1.0f, 3), triangle_soup(100, 1.0f, 0.5f, 5)},
+                       sphere_soup(50, 1.0f, 0.2f, 5)};
+  const auto list = make_accelerator("list", mixed);
+  std::vector<Ray> rays = random_rays(mixed.bounds(), 3000, 7);
+  UniformFloats uniform(8);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Ray& ray = rays[i];
+    if (const auto hit = list->intersect(ray)) ray.origin = ray.at(hit->t);
+    ray.direction = uniform.in_box(vec3(-1.0f), vec3(1.0f));
+    if (i % 7 == 0) ray.direction *= std::ldexp(1.0f, static_cast<int>(i % 240) - 120);
+  }
+  // The book's test depends on the length.
+  check_equal_hits("on surfaces", mixed, rays, {Intersector::watertight});
 }
 
 TEST_CASE("of triangles hit at the same distance bvh gives the one with the smallest id, as list does",

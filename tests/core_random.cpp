@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "core_statistics.hpp"
+#include "raylab/core/numeric.hpp"
 #include "raylab/core/random.hpp"
 
 using namespace raylab;

@@ -36,7 +36,7 @@ TEST_CASE("folded at the surface, a lobe keeps its energy and its density", "[st
         // Midpoints of an equal-area grid over the sphere.
         const vec3 wi = uniform_sphere({(i + 0.5f) / kSide, (j + 0.5f) / kSide});
         if (glm::dot(wi, ng) > 0.0f) {
-          const BsdfValue f = eval_bsdf_above(material, material.color.a, wo, wi, ng);
+          const BsdfValue f = eval_bsdf_above<float>(material_lanes(material), material.color.a, wo, wi, ng);
           if (f.pdf > kRim) continue;
           integral += static_cast<double>(f.pdf) * 4.0 * static_cast<double>(kPi) / (kSide * kSide);
         }
@@ -47,12 +47,12 @@ TEST_CASE("folded at the surface, a lobe keeps its energy and its density", "[st
     for (std::uint32_t s = 0; s < kSamples; ++s) {
       const Sampler numbers(SamplerKind::independent, 3, 1, 2, s);
       const BsdfSample b =
-          sample_bsdf_above(material, material.color.a, wo, ng, false, numbers.get2(0), numbers.get1(1));
+          sample_bsdf_above<float>(material_lanes(material), material.color.a, wo, ng, false, numbers.get2(0), numbers.get1(1));
       if (is_black(b.weight)) continue;
       REQUIRE(glm::dot(b.wi, ng) >= 0.0f);
       if (b.pdf > kRim) continue;
       ++sampled;
-      REQUIRE(b.pdf == Approx(eval_bsdf_above(material, material.color.a, wo, b.wi, ng).pdf).epsilon(0.02));
+      REQUIRE(b.pdf == Approx(eval_bsdf_above<float>(material_lanes(material), material.color.a, wo, b.wi, ng).pdf).epsilon(0.02));
     }
     INFO(integral << " integrated, " << sampled << " of " << kSamples << " sampled");
     CHECK(integral == Approx(static_cast<double>(sampled) / kSamples).margin(0.005));

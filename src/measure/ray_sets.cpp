@@ -20,6 +20,23 @@ std::vector<Ray> rays_from_inside(const vec3& inside, float spread, std::size_t 
 
 }  // namespace
 
+RayArrays::RayArrays(std::span<const Ray> rays) {
+  for (auto& component : components_) component.reserve(rays.size());
+  for (const Ray& ray : rays) {
+    for (int axis = 0; axis < 3; ++axis) {
+      components_[axis].push_back(ray.origin[axis]);
+      components_[3 + axis].push_back(ray.direction[axis]);
+    }
+    components_[6].push_back(ray.t_min);
+    components_[7].push_back(ray.t_max);
+  }
+}
+
+RayBatch RayArrays::batch(std::size_t first, std::size_t count) const {
+  const auto at = [&](int k) { return components_[k].data() + first; };
+  return {count, {at(0), at(1), at(2)}, {at(3), at(4), at(5)}, at(6), at(7)};
+}
+
 std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count, std::uint64_t seed) {
   UniformFloats uniform(seed);
   const vec3 margin = bounds.diagonal();

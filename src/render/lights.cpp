@@ -71,7 +71,7 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
     cdf_.push_back(static_cast<float>(sum * inv_total_power_));
   }
   cdf_.back() = 1.0f;
-  for (TriangleEmitter& t : triangles_) t.pdf_area = triangle_pdf_area(t.material);
+  for (TriangleEmitter& t : triangles_) t.shape.pdf_area = triangle_pdf_area(t.material);
   if (powers.size() > triangles_.size() + spheres_.size()) {
     environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
   }
@@ -87,14 +87,22 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   SurfacePoint point;
   place_on_triangle(corners, 0.0f, 0.0f, point);
   const Texture& texture = scene_.materials[material].color;
-  triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f,
-                        texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
+  triangles_.push_back(
+      {{corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f},
+       texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
   powers.push_back(power);
 }
 
+std::size_t Lights::choose(float select) const {
+  return static_cast<std::size_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, select) - cdf_.begin());
+}
+
 LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
-  const auto chosen = static_cast<std::size_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, select) - cdf_.begin());
-  if (chosen < triangles_.size()) return sample_triangle(triangles_[chosen], p, u);
+  return sample_emitter(choose(select), p, u);
+}
+
+LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const {
+  if (chosen < triangles_.size()) return sample_mesh(triangles_[chosen], p, u);
   if (chosen == triangles_.size() + spheres_.size()) {
     const EnvironmentSampler::Sample s = environment_.sample(u);
     LightSample light;
@@ -107,36 +115,40 @@ LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
   return sample_sphere(spheres_[chosen - triangles_.size()], p, u);
 }
 
-LightSample Lights::sample_triangle(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const {
-  // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
-  float b1 = 0.5f * u.x, b2 = 0.5f * u.y;
-  const float offset = b2 - b1;
-  if (offset > 0.0f) {
-    b2 += offset;
-  } else {
-    b1 -= offset;
+void Lights::sample(std::uint32_t lanes, const float* select, const float* u, const float* v,
+                    const float* const (&p)[3], LightLanes& out) const {
+  out.triangles = 0;
+  out.infinite = 0;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    const std::size_t chosen = choose(select[i]);
+    if (chosen < triangles_.size() && !triangles_[chosen].varies) {
+      out.emitter[i] = static_cast<std::uint32_t>(chosen);
+      out.triangles |= 1u << i;
+      continue;
+    }
+    const LightSample light = sample_emitter(chosen, {p[0][i], p[1][i], p[2][i]}, {u[i], v[i]});
+    for (int k = 0; k < 3; ++k) {
+      out.radiance[k][i] = (&light.radiance.x)[k];
+      out.wi[k][i] = (&light.wi.x)[k];
+      out.target[k][i] = (&light.target.x)[k];
+    }
+    out.pdf[i] = light.pdf;
+    if (light.infinite) out.infinite |= 1u << i;
   }
+}
+
+LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const {
+  const TriangleLightSample<float> s = raylab::sample_triangle<float>(emitter.shape, p, u);
   LightSample light;
-  const vec3 position = emitter.p0 + b1 * emitter.e1 + b2 * emitter.e2;
-  const vec3 to_light = position - p;
-  const float distance2 = glm::dot(to_light, to_light);
-  const float facing = glm::dot(to_light, emitter.ng);
-  if (!(distance2 > 0.0f && facing != 0.0f)) return light;
-  const float distance = std::sqrt(distance2);
-  light.wi = to_light / distance;
-  const float pdf = emitter.pdf_area * distance2 * distance / std::abs(facing);
-  if (!(pdf < kInfinity)) return light;
-  light.pdf = pdf;
-  light.target = position - std::copysign(emitter.offset, facing) * emitter.ng;
+  if (!(s.pdf > 0.0f)) return light;
+  light.wi = s.wi;
+  light.target = s.target;
+  light.pdf = s.pdf;
   light.radiance = emitter.radiance;
   if (emitter.varies) {
-    const TriangleMesh& mesh = scene_.geometry.meshes[emitter.mesh];
-    vec2 uv(0.0f);
-    if (!mesh.texcoords.empty()) {
-      const uvec3& i = mesh.texcoord_corners(emitter.triangle);
-      uv = (1.0f - b1 - b2) * mesh.texcoords[i.x] + b1 * mesh.texcoords[i.y] + b2 * mesh.texcoords[i.z];
-    }
-    light.radiance = texture_color(scene_.materials[emitter.material].color, scene_.textures, position, uv);
+    const vec2 uv = interpolated_texcoords(scene_.geometry.meshes[emitter.mesh], emitter.triangle, s.b1, s.b2);
+    light.radiance = texture_color(scene_.materials[emitter.material].color, scene_.textures, s.position, uv);
   }
   return light;
 }
@@ -186,14 +198,11 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
 
 float Lights::triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
                            const vec3& wi) const {
-  const vec3 to_light = hit_position - p;
-  const float cosine = std::abs(glm::dot(ng, wi));
-  return cosine > 0.0f ? triangle_pdf_area(material) * glm::dot(to_light, to_light) / cosine : 0.0f;
+  return raylab::triangle_pdf<float>(triangle_pdf_area(material), p, hit_position, ng, wi);
 }
 
 float Lights::triangle_pdf_area(std::uint32_t material) const {
-  // Choosing by power makes the density per area the same everywhere on a material: 2 luminance / total.
-  return 2.0f * material_luminance_[material] * static_cast<float>(inv_total_power_);
+  return static_cast<float>(2.0 * static_cast<double>(material_luminance_[material]) * inv_total_power_);
 }
 
 float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position,

@@ -1,6 +1,7 @@
 #include "raylab/render/render_session.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <string>
 #include <tuple>
@@ -13,10 +14,6 @@
 namespace raylab {
 
 namespace {
-
-constexpr std::uint32_t kPixelDimension = 0;
-constexpr std::uint32_t kLensDimension = 1;
-static_assert(Integrator::kFirstDimension == 2);
 
 std::string describe(const PixelRect& r) {
   return std::to_string(r.x) + "," + std::to_string(r.y) + "," + std::to_string(r.width) + "," +
@@ -56,8 +53,8 @@ bool usable(const Rgb& c) { return is_finite(c) && c.r >= 0.0f && c.g >= 0.0f &&
 CameraSample camera_sample(const Camera& camera, const RenderOptions& options, int x, int y, std::uint32_t sample) {
   const Sampler sampler(options.sampler, options.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                         sample);
-  const vec2 jitter = sampler.get2(kPixelDimension);
-  const vec2 lens = camera.has_lens() ? sampler.get2(kLensDimension) : vec2(0.5f);
+  const vec2 jitter = sampler.get2(Integrator::kPixelDimension);
+  const vec2 lens = camera.has_lens() ? sampler.get2(Integrator::kLensDimension) : vec2(0.5f);
   return {sampler, camera.ray(static_cast<float>(x) + jitter.x, static_cast<float>(y) + jitter.y, lens)};
 }
 
@@ -76,7 +73,7 @@ RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator,
       region_(region_of(options)),
       needs_(options.needs ? *options.needs : scene_needs(scene)),
       camera_(scene.camera, options.width, options.height),
-      integrator_(scene, accelerator, needs_, options.integrator),
+      integrator_(scene, camera_, accelerator, needs_, options.integrator),
       tiles_(centre_out_tiles(region_, options.tile_size)),
       film_(options.width, options.height) {}
 
@@ -133,26 +130,40 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   Film gathered(tile.width, tile.height);
   RenderStats stats;
   std::uint64_t taken = 0;
-  for (int y = 0; y < tile.height; ++y) {
-    for (int x = 0; x < tile.width; ++x) {
-      if (stop_.load(std::memory_order_relaxed)) break;
-      const int px = tile.x + x;
-      const int py = tile.y + y;
-      for (std::uint32_t s = first; s < first + count; ++s) {
-        const CameraSample sample = camera_sample(camera_, options_, px, py, s);
-        const Rgb radiance = integrator_.radiance(sample.ray, sample.sampler, stats.rays);
-        if (usable(radiance)) {
-          gathered.add(x, y, radiance);
-        } else {
-          RenderStats dropped;
-          dropped.dropped = 1;
-          dropped.first_dropped = DroppedSample{px, py, s};
-          stats.add(dropped);
-        }
+  PathBatch paths;
+  paths.sampler = options_.sampler;
+  std::array<std::uint32_t, PathBatch::kMost> pixel_of;  // in the tile
+  BatchRadiance radiance;
+  const auto trace = [&] {
+    if (paths.count == 0 || stop_.load(std::memory_order_relaxed)) return;
+    integrator_.trace(paths, radiance, stats.rays);
+    for (std::size_t i = 0; i < paths.count; ++i) {
+      const int x = static_cast<int>(pixel_of[i]) % tile.width;
+      const int y = static_cast<int>(pixel_of[i]) / tile.width;
+      const Rgb sample(radiance[0][i], radiance[1][i], radiance[2][i]);
+      if (usable(sample)) {
+        gathered.add(x, y, sample);
+      } else {
+        RenderStats dropped;
+        dropped.dropped = 1;
+        dropped.first_dropped = DroppedSample{tile.x + x, tile.y + y, paths.sample[i]};
+        stats.add(dropped);
       }
-      taken += count;
+    }
+    taken += paths.count;
+    paths.count = 0;
+  };
+  for (int pixel = 0; pixel < tile.width * tile.height; ++pixel) {
+    const int x = tile.x + pixel % tile.width;
+    const int y = tile.y + pixel / tile.width;
+    const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+    for (std::uint32_t s = first; s < first + count; ++s) {
+      pixel_of[paths.count] = static_cast<std::uint32_t>(pixel);
+      paths.add(x, y, seed, s);
+      if (paths.count == PathBatch::kMost) trace();
     }
   }
+  trace();
   samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   film_.add(gathered, tile.x, tile.y);

@@ -57,26 +57,9 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
 }
 
 Ray Camera::ray(float x, float y, const vec2& lens) const {
-  const vec3 target = corner_ + x * step_x_ + y * step_y_;
-  if (!has_lens_) return {origin_, target};
-  const vec2 disk = concentric_disk(lens);
-  const vec3 shift = disk.x * lens_x_ + disk.y * lens_y_;
-  return {origin_ + shift, target - shift};
-}
-
-vec2 concentric_disk(const vec2& u) {
-  const float x = 2.0f * u.x - 1.0f;
-  const float y = 2.0f * u.y - 1.0f;
-  if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
-  float r, phi;
-  if (std::abs(x) > std::abs(y)) {
-    r = x;
-    phi = (kPi / 4.0f) * (y / x);
-  } else {
-    r = y;
-    phi = kPi / 2.0f - (kPi / 4.0f) * (x / y);
-  }
-  return {r * std::cos(phi), r * std::sin(phi)};
+  Ray r;
+  ray<float>(x, y, lens, r.origin, r.direction);
+  return r;
 }
 
 }  // namespace raylab

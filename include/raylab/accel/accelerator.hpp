@@ -1,6 +1,7 @@
 #pragma once
 // The query contract every accelerator fulfils, and how one is chosen by name.
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "raylab/core/isa.hpp"
 #include "raylab/core/ray.hpp"
 #include "raylab/geometry/geometry.hpp"
 #include "raylab/geometry/intersect.hpp"
@@ -27,6 +29,42 @@ struct BuildReport {
   std::string isa;        ///< instruction set the traversal uses, such as "sse4.2" or "avx2"
 };
 
+/// Rays side by side: one array for each component, `count` long. Each ray is as in Ray.
+struct RayBatch {
+  std::size_t count;
+  const float* origin[3];
+  const float* direction[3];
+  const float* t_min;
+  const float* t_max;
+
+  Ray ray(std::size_t i) const {
+    return {{origin[0][i], origin[1][i], origin[2][i]},
+            {direction[0][i], direction[1][i], direction[2][i]},
+            t_min[i],
+            t_max[i]};
+  }
+};
+
+/// Hits side by side, to be written: `geometry` is kNoHit where there is none, and the rest is then anything.
+struct HitBatch {
+  float* t;
+  float* u;
+  float* v;
+  std::uint32_t* geometry;
+  std::uint32_t* primitive;
+
+  void set(std::size_t i, const std::optional<Hit>& hit) const {
+    geometry[i] = kNoHit;
+    if (!hit) return;
+    t[i] = hit->t;
+    u[i] = hit->u;
+    v[i] = hit->v;
+    geometry[i] = hit->geometry;
+    primitive[i] = hit->primitive;
+  }
+  static constexpr std::uint32_t kNoHit = 0xffffffffu;
+};
+
 /// Finds what a ray hits. Constructed means built. Queries may run on many threads at once and allocate
 /// nothing. A ray has a finite origin, any finite non-zero direction, and 0 <= t_min; its interval may be empty.
 /// Invalid primitives behave as if absent. Threads that query have FlushDenormals set, as in parallel_for:
@@ -42,14 +80,17 @@ class Accelerator {
   /// Whether anything is hit with t_min < t < t_max.
   virtual bool occluded(const Ray& ray) const noexcept = 0;
 
+  /// The same for many rays at once; answers equal those of single rays to the bit. Rays that lie side by side should
+  /// be alike: an accelerator may trace them together. What does not override these asks for one ray after the other.
+  virtual void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept;
+  /// Writes 1 or 0 for each ray.
+  virtual void occluded_batch(const RayBatch& rays, std::uint8_t* occluded) const noexcept;
+
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
 /// How much building time `bvh` may spend on a better tree. So far `best` builds the tree of `balanced`.
 enum class BvhQuality { fast, balanced, best };
-
-/// Instruction sets that `bvh` is compiled for, from the oldest to the newest.
-enum class Isa { sse42, avx2, avx512 };
 
 /// Choices for those accelerators that offer them.
 struct AcceleratorOptions {

@@ -2,8 +2,7 @@
 // Counter-based random numbers and low-discrepancy points: each number is a function of its indices alone.
 #include <cstdint>
 
-#include "raylab/core/numeric.hpp"
-#include "raylab/core/vec.hpp"
+#include "raylab/core/lanes.hpp"
 
 namespace raylab {
 
@@ -17,11 +16,28 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
   return x;
 }
 
-/// The upper 24 bits as a float in [0, 1): 0xffffffff gives 1 - 2^-24, never 1.
-inline float bits_to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+/// The same in 32 bits (Wellons 2018, "Prospecting for Hash Functions", lowbias32). U is std::uint32_t or a vector of
+/// them, here and below.
+template <class U>
+U mix_bits_32(U x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  x ^= x >> 16;
+  return x;
+}
 
-inline std::uint32_t reverse_bits(std::uint32_t x) {
-  x = __builtin_bswap32(x);
+/// The upper 24 bits as a float in [0, 1): 0xffffffff gives 1 - 2^-24, never 1.
+template <class U>
+auto bits_to_unit(const U& bits) {
+  return to_float(bits >> 8) * 0x1p-24f;
+}
+
+template <class U>
+U reverse_bits(U x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x & 0x00ff00ffu) << 8) | ((x >> 8) & 0x00ff00ffu);
   x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
   x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
   x = ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
@@ -31,7 +47,8 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
 /// Owen scrambling of a number whose bits stand in reverse order, least significant digit of the fraction first:
 /// each bit is flipped or not as a hash of the bits below it says. Laine and Karras 2011 found the form; Burley
 /// 2020, "Practical Hash-based Owen Scrambling" (JCGT 9:4), its use; the constants are Vegdahl's.
-inline std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed) {
+template <class U>
+U owen_scramble_reversed(U x, const U& seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
   x *= (seed >> 16) | 1u;
@@ -43,8 +60,9 @@ inline std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed)
 /// Bits of the second Sobol coordinate of point `index`, in reverse order. Direction k is (1 + x)^k over GF(2), so
 /// the sum over the bits of the index is its polynomial shifted by one, which halves into five steps because
 /// (1 + x)^16 = 1 + x^16, and so on.
-inline std::uint32_t sobol_second_reversed(std::uint32_t index) {
-  std::uint32_t v = index;
+template <class U>
+U sobol_second_reversed(const U& index) {
+  U v = index;
   v ^= (v >> 16) & 0x0000ffffu;
   v ^= (v >> 8) & 0x00ff00ffu;
   v ^= (v >> 4) & 0x0f0f0f0fu;

@@ -72,6 +72,12 @@ struct WatertightRay {
 
 namespace detail {
 
+/// Along the normal, in double; of any length.
+inline dvec3 triangle_normal(const Triangle& tri) {
+  const dvec3 p0(tri.p0);
+  return glm::cross(dvec3(tri.p1) - p0, dvec3(tri.p2) - p0);
+}
+
 /// Distance to the plane of the triangle, in double from the vertices as they are, kept within the distances of
 /// the vertices. `otherwise` where the ray runs along the plane.
 [[gnu::noinline, gnu::cold]] inline float watertight_plane_distance(const WatertightRay& ray, const Triangle& tri,
@@ -80,7 +86,7 @@ namespace detail {
   const dvec3 p0 = dvec3(tri.p0) - origin;
   const dvec3 p1 = dvec3(tri.p1) - origin;
   const dvec3 p2 = dvec3(tri.p2) - origin;
-  const dvec3 n = glm::cross(p1 - p0, p2 - p0);
+  const dvec3 n = triangle_normal(tri);
   const double facing = glm::dot(dvec3(ray.direction), n);
   if (facing == 0.0) return otherwise;
   const int k = ray.kz;

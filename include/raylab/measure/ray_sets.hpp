@@ -1,10 +1,12 @@
 #pragma once
 // Sets of rays to compare accelerators on. The same seed gives the same rays on every machine.
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <span>
 #include <vector>
 
+#include "raylab/accel/accelerator.hpp"
 #include "raylab/core/bounds.hpp"
 #include "raylab/core/ray.hpp"
 #include "raylab/geometry/geometry.hpp"
@@ -28,6 +30,33 @@ class UniformFloats {
 
  private:
   std::mt19937_64 engine_;
+};
+
+/// Rays side by side, for the batch queries of accelerators.
+class RayArrays {
+ public:
+  explicit RayArrays(std::span<const Ray> rays);
+  /// `count` rays from `first` on.
+  RayBatch batch(std::size_t first, std::size_t count) const;
+  RayBatch batch() const { return batch(0, components_[0].size()); }
+
+ private:
+  std::vector<float> components_[8];  ///< origin, direction, t_min, t_max
+};
+
+/// Hits side by side.
+class HitArrays {
+ public:
+  explicit HitArrays(std::size_t count) : t_(count), u_(count), v_(count), geometry_(count), primitive_(count) {}
+  HitBatch batch() { return {t_.data(), u_.data(), v_.data(), geometry_.data(), primitive_.data()}; }
+  std::optional<Hit> operator[](std::size_t i) const {
+    if (geometry_[i] == HitBatch::kNoHit) return std::nullopt;
+    return Hit{t_[i], u_[i], v_[i], geometry_[i], primitive_[i]};
+  }
+
+ private:
+  std::vector<float> t_, u_, v_;
+  std::vector<std::uint32_t> geometry_, primitive_;
 };
 
 /// Rays from points of the box three times the size of `bounds` through points of `bounds`, which they reach at

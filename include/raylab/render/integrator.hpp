@@ -1,7 +1,9 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string_view>
-#include <utility>
 
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/render/lights.hpp"
@@ -29,7 +31,8 @@ enum class RayOffset : std::uint8_t {
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::path;
   RayOffset ray_offset = RayOffset::bounds;
-  int max_depth = 7;  ///< path segments, the camera ray included; at least 1
+  int max_depth = 7;        ///< path segments, the camera ray included; at least 1
+  std::optional<Isa> isa;   ///< absent: the newest the processor has; changes no result
 };
 
 /// Rays traced, by what for.
@@ -46,37 +49,57 @@ struct RayCounts {
   }
 };
 
-/// Estimates the radiance along camera rays. Immutable once made and safe to use from many threads. Views the scene
-/// and the accelerator, which must outlive it.
+/// Paths to trace together, up to kMost.
+struct PathBatch {
+  static constexpr std::size_t kMost = 512;
+
+  std::size_t count = 0;
+  SamplerKind sampler = SamplerKind::sobol;
+  std::array<float, kMost> x, y;  ///< pixel, from the upper left
+  std::array<std::uint32_t, kMost> seed_low, seed_high;  ///< of the pixel, see PixelSeed
+  std::array<std::uint32_t, kMost> sample;               ///< index of the sample
+
+  void add(int px, int py, const PixelSeed& seed, std::uint32_t sample_index) {
+    x[count] = static_cast<float>(px);
+    y[count] = static_cast<float>(py);
+    seed_low[count] = seed.low;
+    seed_high[count] = seed.high;
+    sample[count++] = sample_index;
+  }
+};
+
+/// Radiance of each path of a batch: red, green, blue.
+using BatchRadiance = std::array<std::array<float, PathBatch::kMost>, 3>;
+
+struct ShadingScene;
+using TraceKernel = void (*)(const ShadingScene&, const PathBatch&, BatchRadiance&, RayCounts&);
+
+/// Estimates the radiance that arrives at the camera. Immutable once made and safe to use from many threads. Views the
+/// scene, the camera and the accelerator, which must outlive it.
+///
+/// All paths of a batch advance by one segment together: their rays go to the accelerator as a batch, and shading runs
+/// on vectors of paths, which is several times as fast as path after path (the wavefront of Laine, Karras and Aila
+/// 2013, "Megakernels Considered Harmful", with the processor's vectors for a GPU's warps).
 class Integrator {
  public:
-  Integrator(const Scene& scene, const Accelerator& accelerator, const SceneNeeds& needs,
+  Integrator(const Scene& scene, const Camera& camera, const Accelerator& accelerator, const SceneNeeds& needs,
              const IntegratorSettings& settings);
+  ~Integrator();
 
-  /// One sample of the radiance that arrives along `ray`. `sampler` gives the path's random numbers from dimension
-  /// kFirstDimension on. May be infinite or NaN where arithmetic overflows: the caller drops and counts those.
-  Rgb radiance(const Ray& ray, const Sampler& sampler, RayCounts& counts) const {
-    return estimate_(*this, ray, sampler, counts);
-  }
+  /// One sample for each path of the batch. Radiance may be infinite or NaN where arithmetic overflows: the caller
+  /// drops and counts those. A path's radiance does not depend on the others in its batch.
+  void trace(const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) const;
 
-  /// Dimensions below are the camera's.
-  static constexpr std::uint32_t kFirstDimension = 2;
+  /// Dimensions of the sampler.
+  static constexpr std::uint32_t kPixelDimension = 0;
+  static constexpr std::uint32_t kLensDimension = 1;
+  static constexpr std::uint32_t kFirstDimension = 2;  ///< of the first segment
 
-  const Lights& lights() const { return lights_; }
+  const Lights& lights() const;
 
  private:
-  using Estimate = Rgb (*)(const Integrator&, const Ray&, const Sampler&, RayCounts&);
-
-  template <unsigned kFeatures>
-  static Rgb estimate(const Integrator& self, const Ray& ray, const Sampler& sampler, RayCounts& counts);
-  template <std::size_t... kIndex>
-  static Estimate choose(unsigned features, std::index_sequence<kIndex...>);
-
-  const Scene& scene_;
-  const Accelerator& accelerator_;
-  IntegratorSettings settings_;
-  Lights lights_;
-  Estimate estimate_;
+  std::unique_ptr<const ShadingScene> shading_;
+  TraceKernel kernel_;
 };
 
 }  // namespace raylab

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "raylab/scene/environment.hpp"
@@ -16,6 +17,77 @@ struct LightSample {
   bool infinite = false;
 };
 
+/// What sampling reads of an emitting triangle; of lanes of type F (core/lanes.hpp).
+template <class F>
+struct EmittingTriangle {
+  Vec3Of<F> p0, e1, e2;
+  Vec3Of<F> ng;
+  F offset;    ///< see SurfacePoint::offset
+  F pdf_area;  ///< choice included
+};
+
+/// A point of an emitting triangle as seen from elsewhere.
+template <class F>
+struct TriangleLightSample {
+  Vec3Of<F> position, wi, target;  ///< as in LightSample
+  F b1, b2;                        ///< barycentric coordinates of the position
+  F pdf;                           ///< as in LightSample
+};
+
+template <class F>
+TriangleLightSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const Vec3Of<F>& p, const Vec2Of<F>& u) {
+  // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+  TriangleLightSample<F> s;
+  const F half_x = F(0.5f) * u.x, half_y = F(0.5f) * u.y;
+  const F offset = half_y - half_x;
+  const MaskOf<F> upper = offset > F(0.0f);
+  s.b1 = select(upper, half_x, half_x - offset);
+  s.b2 = select(upper, half_y + offset, half_y);
+  s.position = emitter.p0 + s.b1 * emitter.e1 + s.b2 * emitter.e2;
+  const Vec3Of<F> to_light = s.position - p;
+  const F distance2 = dot(to_light, to_light);
+  const F facing = dot(to_light, emitter.ng);
+  const F distance = square_root(distance2);
+  s.wi = to_light / distance;
+  const F pdf = emitter.pdf_area * distance2 * distance / magnitude(facing);
+  s.pdf = select((distance2 > F(0.0f)) & (facing != F(0.0f)) & (pdf < F(kInfinity)), pdf, F(0.0f));
+  s.target = s.position - with_sign_of(emitter.offset, facing) * emitter.ng;
+  return s;
+}
+
+/// Density per steradian at p of a point on a triangle with unit normal ng that a ray of unit direction wi has hit.
+template <class F>
+F triangle_pdf(const F& pdf_area, const Vec3Of<F>& p, const Vec3Of<F>& hit_position, const Vec3Of<F>& ng,
+               const Vec3Of<F>& wi) {
+  const Vec3Of<F> to_light = hit_position - p;
+  const F cosine = magnitude(dot(ng, wi));
+  return select(cosine > F(0.0f), pdf_area * dot(to_light, to_light) / cosine, F(0.0f));
+}
+
+/// Light samples for some lanes side by side, as far as they differ from scalar code: which emitting triangle, whose
+/// point is yet to be chosen by sample_triangle(), and complete samples of all other emitters.
+struct LightLanes {
+  static constexpr int kMost = 16;
+  alignas(64) std::uint32_t emitter[kMost];  ///< index into Lights::emitting_triangles()
+  alignas(64) float radiance[3][kMost];
+  alignas(64) float wi[3][kMost];
+  alignas(64) float target[3][kMost];
+  alignas(64) float pdf[kMost];
+  std::uint32_t triangles;  ///< bit i: lane i is an emitting triangle of constant radiance
+  std::uint32_t infinite;   ///< bit i: light from outside the scene; no target
+};
+
+/// An emitting triangle of a scene.
+struct TriangleEmitter {
+  EmittingTriangle<float> shape;
+  Rgb radiance;  ///< where it does not vary
+  std::uint32_t mesh, triangle, material;
+  bool varies;
+};
+
+/// Shadow rays end short of their target by more than the rounding of t; the rest is in the target's own offset.
+inline constexpr float kShadowEnd = 1.0f - 32.0f * kUnitRoundoff;
+
 /// All emitters of a scene, chosen with probability in proportion to their power: triangles, spheres and, where
 /// SceneNeeds asks for it, the environment. Views the scene, which must outlive it.
 class Lights {
@@ -28,33 +100,31 @@ class Lights {
   /// Chooses an emitter by `select` and a point of it by `u`, as seen from p.
   LightSample sample(const vec3& p, float select, const vec2& u) const;
 
+  /// The same for the lanes of a mask, as seen from positions given as arrays of x, y and z.
+  void sample(std::uint32_t lanes, const float* select, const float* u, const float* v, const float* const (&p)[3],
+              LightLanes& out) const;
+
   /// Density per steradian at p with which sample() gives the point `hit_position` of an emitter that a ray of unit
   /// direction wi has hit: a triangle with unit normal ng and the material's mean luminance, or a sphere.
   float triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
                      const vec3& wi) const;
   float sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,
                    const vec3& wi) const;
+  /// Density per area of a triangle of the material, for raylab::triangle_pdf(). Choosing by power makes it the same
+  /// everywhere on a material.
+  float triangle_pdf_area(std::uint32_t material) const;
   /// The same for light from unit direction wi from outside the scene; 0 where the environment is not sampled.
   float environment_pdf(const vec3& wi) const;
+
+  std::span<const TriangleEmitter> emitting_triangles() const { return triangles_; }
 
   std::size_t bytes() const;
 
  private:
-  /// What sampling reads of an emitting triangle, side by side: one that emits is sampled at every vertex of every
-  /// path.
-  struct TriangleEmitter {
-    vec3 p0, e1, e2;
-    vec3 ng;
-    float offset;    ///< see SurfacePoint::offset
-    float pdf_area;  ///< choice included
-    Rgb radiance;    ///< where it does not vary
-    std::uint32_t mesh, triangle, material;
-    bool varies;
-  };
-
   void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
-  float triangle_pdf_area(std::uint32_t material) const;
-  LightSample sample_triangle(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
+  std::size_t choose(float select) const;
+  LightSample sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const;
+  LightSample sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
   LightSample sample_sphere(std::uint32_t sphere, const vec3& p, const vec2& u) const;
   float sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position, const vec3& wi) const;
 

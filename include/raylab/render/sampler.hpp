@@ -15,53 +15,75 @@ enum class SamplerKind : std::uint8_t {
 SamplerKind parse_sampler(std::string_view name);
 std::string_view sampler_name(SamplerKind kind);
 
-/// The numbers of one sample of one pixel. All lie in [0, 1). Each is a function of (seed, pixel, sample index,
-/// dimension), so any sample can be made again by itself.
-class Sampler {
+/// What the numbers of all samples of a pixel start from.
+struct PixelSeed {
+  std::uint32_t low, high;
+
+  PixelSeed(std::uint32_t seed, std::uint32_t x, std::uint32_t y) {
+    const std::uint64_t bits =
+        mix_bits((static_cast<std::uint64_t>(y) << 32 | x) ^ mix_bits(seed + 0x9e3779b97f4a7c15ull));
+    low = static_cast<std::uint32_t>(bits);
+    high = static_cast<std::uint32_t>(bits >> 32);
+  }
+};
+
+/// The numbers of one sample of one pixel, or of a vector of them. All lie in [0, 1). Each is a function of (seed,
+/// pixel, sample index, dimension), so any sample can be made again by itself.
+template <class F>
+class BasicSampler {
  public:
-  Sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t x, std::uint32_t y, std::uint32_t sample)
-      : kind_(kind),
-        sample_(sample),
-        reversed_sample_(reverse_bits(sample)),
-        pixel_seed_(mix_bits((static_cast<std::uint64_t>(y) << 32 | x) ^ mix_bits(seed + 0x9e3779b97f4a7c15ull))) {}
+  using UInt = UIntOf<F>;
+
+  BasicSampler(SamplerKind kind, const UInt& seed_low, const UInt& seed_high, const UInt& sample)
+      : kind_(kind), seed_low_(seed_low), seed_high_(seed_high), sample_(sample) {}
 
   /// Number of dimension d. Dimensions number the one- and two-dimensional draws of a sample alike.
-  float get1(std::uint32_t d) const {
-    const std::uint64_t h = dimension_seed(d);
-    if (kind_ == SamplerKind::independent) return bits_to_unit(static_cast<std::uint32_t>(h >> 32));
-    const std::uint32_t shuffled = shuffled_index(h);
-    return bits_to_unit(reverse_bits(owen_scramble_reversed(shuffled, static_cast<std::uint32_t>(h >> 32))));
+  F get1(std::uint32_t d) const {
+    const Seeds h = dimension_seeds(d);
+    if (kind_ == SamplerKind::independent) return bits_to_unit(h.first);
+    return bits_to_unit(reverse_bits(owen_scramble_reversed(shuffled_index(h), h.first)));
   }
 
   /// Point in the unit square of dimension d.
-  vec2 get2(std::uint32_t d) const {
-    const std::uint64_t h = dimension_seed(d);
-    if (kind_ == SamplerKind::independent) {
-      return {bits_to_unit(static_cast<std::uint32_t>(h)), bits_to_unit(static_cast<std::uint32_t>(h >> 32))};
-    }
-    const std::uint32_t shuffled = shuffled_index(h);
-    const auto seed_x = static_cast<std::uint32_t>(h >> 32);
-    const std::uint32_t seed_y = seed_x * 0x9e3779b9u + 0x7f4a7c15u;
-    return {bits_to_unit(reverse_bits(owen_scramble_reversed(shuffled, seed_x))),
+  Vec2Of<F> get2(std::uint32_t d) const {
+    const Seeds h = dimension_seeds(d);
+    if (kind_ == SamplerKind::independent) return {bits_to_unit(h.first), bits_to_unit(h.second)};
+    const UInt shuffled = shuffled_index(h);
+    const UInt seed_y = h.first * 0x9e3779b9u + 0x7f4a7c15u;
+    return {bits_to_unit(reverse_bits(owen_scramble_reversed(shuffled, h.first))),
             bits_to_unit(reverse_bits(owen_scramble_reversed(sobol_second_reversed(shuffled), seed_y)))};
   }
 
  private:
-  std::uint64_t dimension_seed(std::uint32_t d) const {
-    const std::uint64_t key = pixel_seed_ + d * 0x9e3779b97f4a7c15ull;
-    return kind_ == SamplerKind::independent ? mix_bits(key ^ mix_bits(sample_ + 0xd1b54a32d192ed03ull))
-                                             : mix_bits(key);
+  struct Seeds {
+    UInt first, second;
+  };
+  /// 32-bit mixing, which vectors have and 64-bit multiplication they do not: two rounds chained over the two halves
+  /// of the pixel's seed.
+  Seeds dimension_seeds(std::uint32_t d) const {
+    UInt first = mix_bits_32<UInt>(seed_high_ + d * 0x9e3779b9u);
+    if (kind_ == SamplerKind::independent) first = mix_bits_32<UInt>(first ^ mix_bits_32<UInt>(sample_ + 0xd1b54a33u));
+    const UInt second = mix_bits_32<UInt>(seed_low_ + first);
+    return {second, mix_bits_32<UInt>(second ^ seed_high_)};
   }
   /// The sample index in Owen-scrambled order: dimensions padded side by side must not visit their points in the
   /// same order, or they would be correlated (pbrt-v4 §8.6.5).
-  std::uint32_t shuffled_index(std::uint64_t h) const {
-    return reverse_bits(owen_scramble_reversed(reversed_sample_, static_cast<std::uint32_t>(h)));
+  UInt shuffled_index(const Seeds& h) const {
+    return reverse_bits(owen_scramble_reversed(reverse_bits(sample_), h.second));
   }
 
   SamplerKind kind_;
-  std::uint32_t sample_;
-  std::uint32_t reversed_sample_;
-  std::uint64_t pixel_seed_;
+  UInt seed_low_, seed_high_, sample_;
+};
+
+class Sampler : public BasicSampler<float> {
+ public:
+  Sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t x, std::uint32_t y, std::uint32_t sample)
+      : Sampler(kind, PixelSeed(seed, x, y), sample) {}
+
+ private:
+  Sampler(SamplerKind kind, const PixelSeed& pixel, std::uint32_t sample)
+      : BasicSampler(kind, pixel.low, pixel.high, sample) {}
 };
 
 }  // namespace raylab

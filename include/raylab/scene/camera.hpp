@@ -1,5 +1,6 @@
 #pragma once
 #include "raylab/core/ray.hpp"
+#include "raylab/core/warp.hpp"
 
 namespace raylab {
 
@@ -23,6 +24,20 @@ class Camera {
   /// the lens that `lens` in [0,1)² chooses. Direction not normalised: t = 1 lies in the plane of focus.
   Ray ray(float x, float y, const vec2& lens) const;
 
+  /// The same for lanes of type F (core/lanes.hpp).
+  template <class F>
+  void ray(const F& x, const F& y, const Vec2Of<F>& lens, Vec3Of<F>& origin, Vec3Of<F>& direction) const {
+    using Vec3 = Vec3Of<F>;
+    direction = Vec3(corner_) + x * Vec3(step_x_) + y * Vec3(step_y_);
+    origin = Vec3(origin_);
+    if (!has_lens_) return;
+    F disk_x, disk_y;
+    concentric_disk<F>(lens.x, lens.y, disk_x, disk_y);
+    const Vec3 shift = disk_x * Vec3(lens_x_) + disk_y * Vec3(lens_y_);
+    origin = origin + shift;
+    direction = direction - shift;
+  }
+
   bool has_lens() const { return has_lens_; }
 
   vec3 origin() const { return origin_; }
@@ -37,9 +52,5 @@ class Camera {
   vec3 lens_x_, lens_y_;
   bool has_lens_;
 };
-
-/// Uniform density on the unit disk from the unit square, area preserving and low in distortion (Shirley and
-/// Chiu 1997).
-vec2 concentric_disk(const vec2& u);
 
 }  // namespace raylab

@@ -1,34 +1,23 @@
 #pragma once
 #include <cmath>
 
+#include "raylab/core/lanes.hpp"
+#include "raylab/core/numeric.hpp"
 #include "raylab/geometry/geometry.hpp"
 #include "raylab/scene/scene.hpp"
 
 namespace raylab {
 
-/// A Hit expanded to what shading reads.
-struct SurfacePoint {
-  vec3 position;
-  float offset;  ///< a point this far along ±ng is on that side of the surface for every accelerator's arithmetic
-  vec3 ng;       ///< unit geometric normal, by the winding of the triangle; outward on spheres
-  vec3 ns;       ///< unit shading normal, on the same side as ng; ng itself where the mesh has none
-  vec2 uv;       ///< texture coordinates; (0,0) where absent
+/// A Hit expanded to what shading reads; of lanes of type F (core/lanes.hpp).
+template <class F>
+struct BasicSurfacePoint {
+  Vec3Of<F> position;
+  F offset;      ///< a point this far along ±ng is on that side of the surface for every accelerator's arithmetic
+  Vec3Of<F> ng;  ///< unit geometric normal, by the winding of the triangle; outward on spheres
+  Vec3Of<F> ns;  ///< unit shading normal, on the same side as ng; ng itself where the mesh has none
+  Vec2Of<F> uv;  ///< texture coordinates; (0,0) where absent
 };
-
-namespace detail {
-
-/// The compiler's vector of four floats: SSE on x86-64.
-using Float4 = float __attribute__((vector_size(16)));
-using Int4 = int __attribute__((vector_size(16)));
-
-inline Float4 float4(const vec3& v) { return Float4{v.x, v.y, v.z, 0.0f}; }
-inline void store(const Float4& v, vec3& out) { out = vec3(v[0], v[1], v[2]); }
-inline Float4 yzx(const Float4& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
-inline Float4 zxy(const Float4& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); }
-inline Float4 abs4(const Float4& v) { return Float4(Int4(v) & 0x7fffffff); }
-inline float sum3(const Float4& v) { return v[0] + v[1] + v[2]; }
-
-}  // namespace detail
+using SurfacePoint = BasicSurfacePoint<float>;
 
 /// Point (1-u-v) p0 + u p1 + v p2 of a triangle, its geometric normal and its offset.
 ///
@@ -40,39 +29,69 @@ inline float sum3(const Float4& v) { return v[0] + v[1] + v[2]; }
 ///    than its |e1 x e2|;
 ///  - 2^-40 of the extent, so that a query that decides in double still sees the point off the plane.
 /// For a plane parallel to an axis through 0 the first two vanish, as do the errors they bound.
-///
-/// Four floats wide, the last idle: this runs at every vertex of every path.
-inline void place_on_triangle(const Triangle& t, float u, float v, SurfacePoint& point) {
-  using namespace detail;
-  const Float4 p0 = float4(t.p0), p1 = float4(t.p1), p2 = float4(t.p2);
-  const Float4 e1 = p1 - p0;
-  const Float4 e2 = p2 - p0;
-  store(p0 * (1.0f - u - v) + p1 * u + p2 * v, point.position);
-  const Float4 a = yzx(e1) * zxy(e2);
-  const Float4 b = zxy(e1) * yzx(e2);
-  const Float4 n = a - b;
-  const float length2 = sum3(n * n);
-  float inv_length = 1.0f / std::sqrt(length2);
+template <class F>
+void place_on_triangle(const Vec3Of<F>& p0, const Vec3Of<F>& p1, const Vec3Of<F>& p2, const F& u, const F& v,
+                       BasicSurfacePoint<F>& point) {
+  using Vec3 = Vec3Of<F>;
+  using glm::abs;
+  const Vec3 e1 = p1 - p0;
+  const Vec3 e2 = p2 - p0;
+  point.position = p0 * (F(1.0f) - u - v) + p1 * u + p2 * v;
+  const Vec3 a(e1.y * e2.z, e1.z * e2.x, e1.x * e2.y);
+  const Vec3 b(e1.z * e2.y, e1.x * e2.z, e1.y * e2.x);
+  const Vec3 n = a - b;
+  const F length2 = dot(n, n);
+  F inv_length = F(1.0f) / square_root(length2);
   // The square of a small needle's product, or of a huge triangle's, leaves the range of float.
-  if (!(length2 > 0x1p-100f && length2 < 0x1p120f)) [[unlikely]] {
-    inv_length = static_cast<float>(
-        1.0 / glm::length(dvec3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]))));
+  const MaskOf<F> out_of_range = !((length2 > F(0x1p-100f)) & (length2 < F(0x1p120f)));
+  if (any(out_of_range)) [[unlikely]] {
+    const F largest = greater(magnitude(n.x), greater(magnitude(n.y), magnitude(n.z)));
+    const Vec3 scaled = n / largest;
+    inv_length = select(out_of_range, F(1.0f) / (largest * square_root(dot(scaled, scaled))), inv_length);
   }
-  const Float4 ng = n * inv_length;
-  store(ng, point.ng);
-  const Float4 extent = abs4(e1) + abs4(e2);
-  const Float4 coordinates = abs4(p0) + abs4(p1) + abs4(p2);
-  const Float4 error = abs4(ng) * coordinates + extent * ((abs4(a) + abs4(b)) * inv_length);
-  point.offset = sum3(error * gamma_bound(8) + extent * 0x1p-40f);
+  point.ng = n * inv_length;
+  const Vec3 extent = abs(e1) + abs(e2);
+  const Vec3 coordinates = abs(p0) + abs(p1) + abs(p2);
+  const Vec3 error = abs(point.ng) * coordinates + extent * ((abs(a) + abs(b)) * inv_length);
+  const Vec3 bound = error * F(gamma_bound(8)) + extent * F(0x1p-40f);
+  point.offset = bound.x + bound.y + bound.z;
+}
+inline void place_on_triangle(const Triangle& t, float u, float v, SurfacePoint& point) {
+  place_on_triangle<float>(t.p0, t.p1, t.p2, u, v, point);
 }
 
 /// The point of the sphere closest to p, the outward normal there and the offset. A query's distance to the sphere
 /// errs by roundings of the radius and of the centre's coordinates.
+template <class F>
+void place_on_sphere(const Vec3Of<F>& center, const F& radius, const Vec3Of<F>& p, BasicSurfacePoint<F>& point) {
+  const Vec3Of<F> from_center = p - center;
+  point.ng = from_center * (F(1.0f) / square_root(dot(from_center, from_center)));
+  point.position = center + radius * point.ng;
+  point.offset =
+      F(gamma_bound(16)) * (magnitude(center.x) + magnitude(center.y) + magnitude(center.z) + radius);
+}
 inline void place_on_sphere(const Sphere& sphere, const vec3& p, SurfacePoint& point) {
-  point.ng = glm::normalize(p - sphere.center);
-  point.position = sphere.center + sphere.radius * point.ng;
-  const vec3 c = glm::abs(sphere.center);
-  point.offset = gamma_bound(16) * (c.x + c.y + c.z + sphere.radius);
+  place_on_sphere<float>(sphere.center, sphere.radius, p, point);
+}
+
+/// The shading normal from the sum of a mesh's normals weighted by (1-u-v, u, v): unit and on the side of ng, and ng
+/// itself where the sum vanishes.
+template <class F>
+Vec3Of<F> shading_normal(const Vec3Of<F>& sum, const Vec3Of<F>& ng) {
+  const F length2 = dot(sum, sum);
+  const F scale = with_sign_of(F(1.0f), dot(sum, ng)) / square_root(length2);
+  return select(length2 > F(0.0f), scale * sum, ng);
+}
+/// The sum that shading_normal() takes, of a mesh that has normals.
+inline vec3 interpolated_normal(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) {
+  const uvec3& i = mesh.normal_corners(triangle);
+  return (1.0f - u - v) * mesh.normals[i.x] + u * mesh.normals[i.y] + v * mesh.normals[i.z];
+}
+/// Texture coordinates of a point of a triangle; (0,0) where the mesh has none.
+inline vec2 interpolated_texcoords(const TriangleMesh& mesh, std::uint32_t triangle, float u, float v) {
+  if (mesh.texcoords.empty()) return vec2(0.0f);
+  const uvec3& i = mesh.texcoord_corners(triangle);
+  return (1.0f - u - v) * mesh.texcoords[i.x] + u * mesh.texcoords[i.y] + v * mesh.texcoords[i.z];
 }
 
 /// Texture coordinates of unit direction n on a sphere: u from -x over +z around +y, v from the south pole (Ray
@@ -97,26 +116,17 @@ SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& 
   const TriangleMesh& mesh = geometry.meshes[hit.geometry];
   place_on_triangle(triangle_corners(mesh, hit.primitive), hit.u, hit.v, point);
   point.ns = point.ng;
-  const float w = 1.0f - hit.u - hit.v;
   if (kShadingNormals && !mesh.normals.empty()) {
-    const uvec3& i = mesh.normal_corners(hit.primitive);
-    const vec3 n = w * mesh.normals[i.x] + hit.u * mesh.normals[i.y] + hit.v * mesh.normals[i.z];
-    const float length2 = glm::dot(n, n);
-    if (length2 > 0.0f) {
-      const float scale = (glm::dot(n, point.ng) < 0.0f ? -1.0f : 1.0f) / std::sqrt(length2);
-      point.ns = scale * n;
-    }
+    point.ns = shading_normal<float>(interpolated_normal(mesh, hit.primitive, hit.u, hit.v), point.ng);
   }
-  if (kTexcoords && !mesh.texcoords.empty()) {
-    const uvec3& i = mesh.texcoord_corners(hit.primitive);
-    point.uv = w * mesh.texcoords[i.x] + hit.u * mesh.texcoords[i.y] + hit.v * mesh.texcoords[i.z];
-  }
+  if (kTexcoords) point.uv = interpolated_texcoords(mesh, hit.primitive, hit.u, hit.v);
   return point;
 }
 
 /// Start of a ray that leaves the point towards `direction`, on that direction's side of the surface.
-inline vec3 offset_origin(const SurfacePoint& point, const vec3& direction) {
-  return point.position + std::copysign(point.offset, glm::dot(direction, point.ng)) * point.ng;
+template <class F>
+Vec3Of<F> offset_origin(const BasicSurfacePoint<F>& point, const Vec3Of<F>& direction) {
+  return point.position + with_sign_of(point.offset, dot(direction, point.ng)) * point.ng;
 }
 
 }  // namespace raylab

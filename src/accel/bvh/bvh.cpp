@@ -1,4 +1,5 @@
 // `bvh`: Raylab's own tree. See layout.hpp for what it is made of, traverse.hpp for how it is traversed.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -47,19 +48,42 @@ template bool hit_sphere<Intersector::fast>(const void*, std::uint32_t, const Ke
 template bool hit_sphere<Intersector::watertight>(const void*, std::uint32_t, const KernelRay&, float,
                                                   float&) noexcept;
 
-bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
-                        KernelHit& hit) noexcept {
+namespace {
+
+Triangle triangle_of(const TriangleBlock& block, int lane) {
   Triangle triangle;
   for (int axis = 0; axis < 3; ++axis) {
     triangle.p0[axis] = block.position[axis][block.corner[0][lane]];
     triangle.p1[axis] = block.position[axis][block.corner[1][lane]];
     triangle.p2[axis] = block.position[axis][block.corner[2][lane]];
   }
+  return triangle;
+}
+
+}  // namespace
+
+bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
+                        KernelHit& hit) noexcept {
   const Ray own = as_ray(ray, limit);
-  const auto found = intersect_watertight(WatertightRay(own), triangle, own.t_min, own.t_max);
+  const auto found = intersect_watertight(WatertightRay(own), triangle_of(block, lane), own.t_min, own.t_max);
   if (!found) return false;
   hit = {found->t, found->u, found->v, block.first + static_cast<std::uint32_t>(lane)};
   return true;
+}
+
+void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept {
+  const dvec3 n = detail::triangle_normal(triangle_of(block, lane));
+  normal[0] = n.x;
+  normal[1] = n.y;
+  normal[2] = n.z;
+}
+
+void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept {
+  const Sphere& s = as_context(context).geometry->spheres[as_context(context).ids[place].primitive];
+  sphere[0] = s.center.x;
+  sphere[1] = s.center.y;
+  sphere[2] = s.center.z;
+  sphere[3] = s.radius;
 }
 
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept {
@@ -69,19 +93,6 @@ bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept
 }
 
 namespace {
-
-bool supported(Isa isa) {
-  switch (isa) {
-    case Isa::sse42:
-      return __builtin_cpu_supports("sse4.2") != 0;
-    case Isa::avx2:
-      return __builtin_cpu_supports("avx2") != 0;
-    case Isa::avx512:
-      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
-             __builtin_cpu_supports("avx512vl") != 0;
-  }
-  return false;
-}
 
 const Kernel& kernel_of(Isa isa) {
   switch (isa) {
@@ -96,19 +107,14 @@ const Kernel& kernel_of(Isa isa) {
 }
 
 const Kernel& choose_kernel(std::optional<Isa> forced) {
-  if (forced) {
-    if (supported(*forced)) return kernel_of(*forced);
+  if (forced && !isa_supported(*forced)) {
     throw Error(ErrorKind::usage, "--isa", "this processor has no " + std::string(isa_name(*forced)));
   }
-  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse42}) {
-    if (supported(isa)) return kernel_of(isa);
-  }
-  throw Error(ErrorKind::failure, "bvh", "this processor has no SSE4.2");
+  return kernel_of(forced.value_or(newest_isa()));
 }
 
-/// Within this factor of 1, either way, the largest component of a direction needs no rescaling. The faults of the
-/// book's triangle test depend on the scale, so they are let be as far as the box test can.
-constexpr float kDirectionRange = 0x1p60f;
+/// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the box
+/// test can.
 constexpr float kBookDirectionRange = 0x1p120f;
 
 class Bvh final : public Accelerator {
@@ -118,6 +124,7 @@ class Bvh final : public Accelerator {
     const Intersector intersector = options.intersector.value_or(Intersector::watertight);
     intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
     occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
+    traces_packets_ = intersector == Intersector::watertight;
     if (intersector == Intersector::book) direction_range_ = kBookDirectionRange;
     const Stopwatch watch;
     {
@@ -156,9 +163,71 @@ class Bvh final : public Accelerator {
     return make_query(ray, query, scale) && occluded_(view_, query);
   }
 
+  void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
+    if (!traces_packets_) return Accelerator::intersect_batch(rays, hits);
+    for_each_packet(rays, [&](std::size_t first, std::size_t count, const PacketRays& packet) {
+      PacketHits found;
+      const std::uint32_t left_out = kernel_.intersect_packet(view_, packet, found);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t place = found.place[i];
+        hits.geometry[first + i] = HitBatch::kNoHit;
+        if (place == kNoPrimitive) continue;
+        hits.t[first + i] = found.t[i];
+        hits.u[first + i] = found.u[i];
+        hits.v[first + i] = found.v[i];
+        hits.geometry[first + i] = tree_.ids[place].geometry;
+        hits.primitive[first + i] = tree_.ids[place].primitive;
+      }
+      for (std::uint32_t left = left_out; left != 0; left &= left - 1) {
+        const std::size_t i = first + static_cast<std::size_t>(__builtin_ctz(left));
+        hits.set(i, intersect(rays.ray(i)));
+      }
+    });
+  }
+
+  void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
+    if (!traces_packets_) return Accelerator::occluded_batch(rays, occluded_rays);
+    for_each_packet(rays, [&](std::size_t first, std::size_t count, const PacketRays& packet) {
+      std::uint32_t found;
+      const std::uint32_t left_out = kernel_.occluded_packet(view_, packet, found);
+      for (std::size_t i = 0; i < count; ++i) {
+        occluded_rays[first + i] =
+            (left_out >> i & 1u) != 0 ? occluded(rays.ray(first + i)) : static_cast<std::uint8_t>(found >> i & 1u);
+      }
+    });
+  }
+
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
+  /// Calls body(first, count, packet) for the rays [first, first + count) of the batch.
+  template <class Body>
+  void for_each_packet(const RayBatch& rays, const Body& body) const {
+    const auto width = static_cast<std::size_t>(kernel_.packet);
+    for (std::size_t first = 0; first < rays.count; first += width) {
+      const std::size_t count = std::min(width, rays.count - first);
+      PacketRays packet{{rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
+                        {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
+                        rays.t_min + first,
+                        rays.t_max + first,
+                        (1u << count) - 1u};
+      alignas(64) float padded[8][kLargestPacket];
+      if (count < width) {  // whole vectors are read
+        const auto pad = [&](const float*& from, float* to) {
+          std::fill_n(std::copy_n(from, count, to), width - count, 0.0f);
+          from = to;
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+          pad(packet.origin[axis], padded[axis]);
+          pad(packet.direction[axis], padded[3 + axis]);
+        }
+        pad(packet.t_min, padded[6]);
+        pad(packet.t_max, padded[7]);
+      }
+      body(first, count, packet);
+    }
+  }
+
   /// False where nothing can be hit. Directions whose reciprocal is out of range are multiplied by a power of two,
   /// and so is the reciprocal of t: by `scale` it becomes what it should be.
   bool make_query(const Ray& ray, KernelRay& query, float& scale) const {
@@ -175,6 +244,9 @@ class Bvh final : public Accelerator {
       scale = std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
       for (float& d : query.direction) d *= scale;
       query.t_min /= scale;
+      // What would be a denormal counts as 0, as it would without scaling.
+      constexpr float smallest = std::numeric_limits<float>::min();
+      if (scale < 1.0f) query.t_min = std::max(query.t_min, next_float_down(smallest / scale));
       query.limit = std::min(query.limit / scale, std::numeric_limits<float>::max());
     }
     return true;
@@ -187,6 +259,7 @@ class Bvh final : public Accelerator {
   KernelHit (*intersect_)(const TreeView&, const KernelRay&) noexcept;
   bool (*occluded_)(const TreeView&, const KernelRay&) noexcept;
   float direction_range_ = kDirectionRange;
+  bool traces_packets_;
   BuildReport report_;
 };
 

@@ -22,6 +22,27 @@ struct KernelHit {
   std::uint32_t place;  ///< in the order of the tree, or kNoPrimitive
 };
 
+/// Rays for the lanes of a vector, side by side, each array as long as the vector. Lanes that are not named hold any
+/// numbers.
+struct PacketRays {
+  const float* origin[3];
+  const float* direction[3];
+  const float* t_min;
+  const float* t_max;  ///< hits count below it
+  std::uint32_t lanes;  ///< bit i: lane i is a ray
+};
+inline constexpr int kLargestPacket = 16;
+
+/// Within this factor of 1, either way, the largest component of a direction needs no rescaling.
+inline constexpr float kDirectionRange = 0x1p60f;
+
+struct PacketHits {
+  alignas(64) float t[kLargestPacket];
+  alignas(64) float u[kLargestPacket];
+  alignas(64) float v[kLargestPacket];
+  std::uint32_t place[kLargestPacket];
+};
+
 /// The tree as the traversal sees it.
 struct TreeView {
   const Item* items;
@@ -43,6 +64,10 @@ extern template bool hit_sphere<Intersector::watertight>(const void*, std::uint3
 /// the vector code cannot. Fills in all of the hit.
 bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
                         KernelHit& hit) noexcept;
+/// Centre and radius of the sphere at a place.
+void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept;
+/// Normal of the triangle in a lane of a block, as triangle_normal() computes it.
+void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept;
 /// Whether the primitive at place a has the smaller id.
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept;
 
@@ -52,6 +77,10 @@ struct Kernel {
   int width;                                                              ///< children a node
   KernelHit (*intersect[3])(const TreeView&, const KernelRay&) noexcept;  ///< by Intersector
   bool (*occluded[3])(const TreeView&, const KernelRay&) noexcept;
+  int packet;  ///< rays a packet; its intersector is watertight
+  /// Both give the lanes that they leave out, since their directions are too long or too short.
+  std::uint32_t (*intersect_packet)(const TreeView&, const PacketRays&, PacketHits&) noexcept;
+  std::uint32_t (*occluded_packet)(const TreeView&, const PacketRays&, std::uint32_t& occluded) noexcept;
 };
 
 extern const Kernel kKernelSse42;

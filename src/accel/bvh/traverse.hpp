@@ -348,15 +348,5 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
   }
 }
 
-template <class NodeVector>
-constexpr Kernel make_kernel(const char* isa) {
-  return {isa,
-          NodeVector::lanes,
-          {intersect<NodeVector, Intersector::book>, intersect<NodeVector, Intersector::fast>,
-           intersect<NodeVector, Intersector::watertight>},
-          {occluded<NodeVector, Intersector::book>, occluded<NodeVector, Intersector::fast>,
-           occluded<NodeVector, Intersector::watertight>}};
-}
-
 }  // namespace
 }  // namespace raylab::bvh

@@ -1,5 +1,5 @@
 #include "simd_avx2.hpp"
-#include "traverse.hpp"
+#include "traverse_packet.hpp"
 
 namespace raylab::bvh {
 

@@ -1,5 +1,5 @@
 #include "simd_sse42.hpp"
-#include "traverse.hpp"
+#include "traverse_packet.hpp"
 
 namespace raylab::bvh {
 

@@ -1,0 +1,297 @@
+#pragma once
+// Vectors of as many floats as the instruction set has, for files that are compiled once for each set. All of it is
+// local to the including file: two files' versions have nothing to do with each other.
+// No operation here rounds differently from its scalar namesake in lanes.hpp.
+#include <immintrin.h>
+
+#include "raylab/core/lanes.hpp"
+
+namespace raylab {
+namespace {
+
+#if defined(__AVX512F__)
+constexpr int kLanes = 16;
+#elif defined(__AVX2__)
+constexpr int kLanes = 8;
+#else
+constexpr int kLanes = 4;
+#endif
+
+using FloatVector = float __attribute__((vector_size(kLanes * 4)));
+using IntVector = std::int32_t __attribute__((vector_size(kLanes * 4)));
+using UIntVector = std::uint32_t __attribute__((vector_size(kLanes * 4)));
+
+/// One truth value a lane.
+struct WideMask {
+#if defined(__AVX512F__)
+  __mmask16 v;
+  static WideMask of(std::uint32_t bits) { return {static_cast<__mmask16>(bits)}; }
+  std::uint32_t bits() const { return v; }
+  friend WideMask operator&(WideMask a, WideMask b) { return {static_cast<__mmask16>(a.v & b.v)}; }
+  friend WideMask operator|(WideMask a, WideMask b) { return {static_cast<__mmask16>(a.v | b.v)}; }
+  friend WideMask operator^(WideMask a, WideMask b) { return {static_cast<__mmask16>(a.v ^ b.v)}; }
+  friend WideMask operator!(WideMask a) { return {static_cast<__mmask16>(~a.v)}; }
+#else
+  IntVector v;
+  static WideMask of(std::uint32_t bits) {
+    IntVector one{};
+    for (int i = 0; i < kLanes; ++i) one[i] = -static_cast<std::int32_t>(bits >> i & 1u);
+    return {one};
+  }
+  std::uint32_t bits() const {
+#if defined(__AVX2__)
+    return static_cast<std::uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(v)));
+#else
+    return static_cast<std::uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(v)));
+#endif
+  }
+  friend WideMask operator&(WideMask a, WideMask b) { return {a.v & b.v}; }
+  friend WideMask operator|(WideMask a, WideMask b) { return {a.v | b.v}; }
+  friend WideMask operator^(WideMask a, WideMask b) { return {a.v ^ b.v}; }
+  friend WideMask operator!(WideMask a) { return {~a.v}; }
+#endif
+};
+inline bool any(WideMask m) { return m.bits() != 0; }
+/// The first `count` lanes.
+inline WideMask first_lanes(std::size_t count) {
+  return WideMask::of(count >= kLanes ? (kLanes == 32 ? ~0u : (1u << kLanes) - 1u) : (1u << count) - 1u);
+}
+
+struct WideVec2;
+struct WideVec3;
+
+struct WideUInt {
+  UIntVector v;
+  WideUInt() = default;
+  WideUInt(UIntVector x) : v(x) {}
+  WideUInt(std::uint32_t x) : v(UIntVector{} + x) {}
+  static WideUInt load(const std::uint32_t* p) {
+    WideUInt r;
+    __builtin_memcpy(&r.v, p, sizeof r.v);
+    return r;
+  }
+  void store(std::uint32_t* p) const { __builtin_memcpy(p, &v, sizeof v); }
+  friend WideUInt operator+(WideUInt a, WideUInt b) { return a.v + b.v; }
+  friend WideUInt operator*(WideUInt a, WideUInt b) { return a.v * b.v; }
+  friend WideUInt operator^(WideUInt a, WideUInt b) { return a.v ^ b.v; }
+  friend WideUInt operator|(WideUInt a, WideUInt b) { return a.v | b.v; }
+  friend WideUInt operator&(WideUInt a, WideUInt b) { return a.v & b.v; }
+  friend WideUInt operator>>(WideUInt a, int n) { return a.v >> n; }
+  friend WideUInt operator<<(WideUInt a, int n) { return a.v << n; }
+  WideUInt& operator^=(WideUInt b) { return *this = *this ^ b; }
+  WideUInt& operator*=(WideUInt b) { return *this = *this * b; }
+  WideUInt& operator+=(WideUInt b) { return *this = *this + b; }
+};
+
+struct Wide {
+  using Mask = WideMask;
+  using UInt = WideUInt;
+  using Vec2 = WideVec2;
+  using Vec3 = WideVec3;
+
+  FloatVector v;
+  Wide() = default;
+  Wide(FloatVector x) : v(x) {}
+  Wide(float x) : v(x - FloatVector{}) {}  // x - 0 is x, -0 too
+  static Wide load(const float* p) {
+    Wide r;
+    __builtin_memcpy(&r.v, p, sizeof r.v);
+    return r;
+  }
+  void store(float* p) const { __builtin_memcpy(p, &v, sizeof v); }
+  friend Wide operator+(Wide a, Wide b) { return a.v + b.v; }
+  friend Wide operator-(Wide a, Wide b) { return a.v - b.v; }
+  friend Wide operator*(Wide a, Wide b) { return a.v * b.v; }
+  friend Wide operator/(Wide a, Wide b) { return a.v / b.v; }
+  friend Wide operator-(Wide a) { return -a.v; }
+  Wide& operator+=(Wide b) { return *this = *this + b; }
+  Wide& operator*=(Wide b) { return *this = *this * b; }
+  Wide& operator/=(Wide b) { return *this = *this / b; }
+#if defined(__AVX512F__)
+  template <int op>
+  static WideMask compare(Wide a, Wide b) {
+    return {_mm512_cmp_ps_mask(a.v, b.v, op)};
+  }
+  friend WideMask operator<(Wide a, Wide b) { return compare<_CMP_LT_OQ>(a, b); }
+  friend WideMask operator<=(Wide a, Wide b) { return compare<_CMP_LE_OQ>(a, b); }
+  friend WideMask operator>(Wide a, Wide b) { return compare<_CMP_GT_OQ>(a, b); }
+  friend WideMask operator>=(Wide a, Wide b) { return compare<_CMP_GE_OQ>(a, b); }
+  friend WideMask operator==(Wide a, Wide b) { return compare<_CMP_EQ_OQ>(a, b); }
+  friend WideMask operator!=(Wide a, Wide b) { return compare<_CMP_NEQ_UQ>(a, b); }
+#else
+  friend WideMask operator<(Wide a, Wide b) { return {a.v < b.v}; }
+  friend WideMask operator<=(Wide a, Wide b) { return {a.v <= b.v}; }
+  friend WideMask operator>(Wide a, Wide b) { return {a.v > b.v}; }
+  friend WideMask operator>=(Wide a, Wide b) { return {a.v >= b.v}; }
+  friend WideMask operator==(Wide a, Wide b) { return {a.v == b.v}; }
+  friend WideMask operator!=(Wide a, Wide b) { return {a.v != b.v}; }
+#endif
+};
+
+inline Wide select(WideMask m, Wide yes, Wide no) {
+#if defined(__AVX512F__)
+  return _mm512_mask_blend_ps(m.v, no.v, yes.v);
+#else
+  return m.v ? yes.v : no.v;
+#endif
+}
+inline Wide lesser(Wide a, Wide b) {
+#if defined(__AVX512F__)
+  return _mm512_min_ps(a.v, b.v);
+#elif defined(__AVX2__)
+  return _mm256_min_ps(a.v, b.v);
+#else
+  return _mm_min_ps(a.v, b.v);
+#endif
+}
+inline Wide greater(Wide a, Wide b) {
+#if defined(__AVX512F__)
+  return _mm512_max_ps(a.v, b.v);
+#elif defined(__AVX2__)
+  return _mm256_max_ps(a.v, b.v);
+#else
+  return _mm_max_ps(a.v, b.v);
+#endif
+}
+inline Wide square_root(Wide x) {
+#if defined(__AVX512F__)
+  return _mm512_sqrt_ps(x.v);
+#elif defined(__AVX2__)
+  return _mm256_sqrt_ps(x.v);
+#else
+  return _mm_sqrt_ps(x.v);
+#endif
+}
+inline Wide round_down(Wide x) {
+#if defined(__AVX512F__)
+  return _mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+#elif defined(__AVX2__)
+  return _mm256_floor_ps(x.v);
+#else
+  return _mm_floor_ps(x.v);
+#endif
+}
+inline Wide magnitude(Wide x) { return FloatVector(IntVector(x.v) & 0x7fffffff); }
+inline Wide with_sign_of(Wide size, Wide sign) {
+  return FloatVector((IntVector(size.v) & 0x7fffffff) | (IntVector(sign.v) & static_cast<std::int32_t>(0x80000000u)));
+}
+inline Wide to_float(WideUInt x) { return __builtin_convertvector(IntVector(x.v), FloatVector); }
+
+/// Of a table, the numbers with these indices. Lanes that are not in the mask are 0 and read nothing.
+inline Wide gather(const float* table, WideUInt index, WideMask m) {
+#if defined(__AVX512F__)
+  return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, reinterpret_cast<__m512i>(index.v), table, 4);
+#elif defined(__AVX2__)
+  return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), table, reinterpret_cast<__m256i>(index.v),
+                                  reinterpret_cast<__m256>(m.v), 4);
+#else
+  FloatVector found{};
+  for (std::uint32_t bits = m.bits(); bits != 0; bits &= bits - 1) {
+    const int i = __builtin_ctz(bits);
+    found[i] = table[index.v[i]];
+  }
+  return found;
+#endif
+}
+
+/// The next float towards -infinity, of positive numbers.
+inline Wide next_down_positive(Wide x) { return FloatVector(IntVector(x.v) - 1); }
+
+/// Writes the lanes of the mask side by side from p on. Up to kLanes floats there are overwritten.
+inline void store_packed(Wide x, WideMask m, float* p) {
+#if defined(__AVX512F__)
+  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.v, x.v));
+#else
+  for (std::uint32_t bits = m.bits(); bits != 0; bits &= bits - 1) *p++ = x.v[__builtin_ctz(bits)];
+#endif
+}
+inline void store_packed(WideUInt x, WideMask m, std::uint32_t* p) {
+#if defined(__AVX512F__)
+  _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.v, reinterpret_cast<__m512i>(x.v)));
+#else
+  for (std::uint32_t bits = m.bits(); bits != 0; bits &= bits - 1) *p++ = x.v[__builtin_ctz(bits)];
+#endif
+}
+
+struct WideVec2 {
+  Wide x, y;
+};
+
+/// As many doubles as there are lanes.
+struct WideDouble {
+  using Half = double __attribute__((vector_size(kLanes * 4)));
+  Half low, high;
+  WideDouble(Half l, Half h) : low(l), high(h) {}
+  WideDouble(double x) : low(x - Half{}), high(x - Half{}) {}
+  explicit WideDouble(Wide x) {
+#if defined(__AVX512F__)
+    low = _mm512_cvtps_pd(_mm512_castps512_ps256(x.v));
+    high = _mm512_cvtps_pd(_mm512_extractf32x8_ps(x.v, 1));
+#elif defined(__AVX2__)
+    low = _mm256_cvtps_pd(_mm256_castps256_ps128(x.v));
+    high = _mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1));
+#else
+    low = _mm_cvtps_pd(x.v);
+    high = _mm_cvtps_pd(_mm_movehl_ps(x.v, x.v));
+#endif
+  }
+  /// Rounded to nearest.
+  Wide to_float() const {
+#if defined(__AVX512F__)
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1);
+#elif defined(__AVX2__)
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
+#else
+    return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
+#endif
+  }
+  /// Each lane's comparison with 0, as floats: -1, 0 or 1, of which NaN is 1.
+  Wide to_sign() const {
+    const Half one = 1.0 - Half{}, zero{};
+    const auto sign = [&](const Half& x) { return x == zero ? zero : (x < zero ? -one : one); };
+    return WideDouble(sign(low), sign(high)).to_float();
+  }
+  friend WideDouble operator+(const WideDouble& a, const WideDouble& b) { return {a.low + b.low, a.high + b.high}; }
+  friend WideDouble operator-(const WideDouble& a, const WideDouble& b) { return {a.low - b.low, a.high - b.high}; }
+  friend WideDouble operator*(const WideDouble& a, const WideDouble& b) { return {a.low * b.low, a.high * b.high}; }
+  friend WideDouble operator/(const WideDouble& a, const WideDouble& b) { return {a.low / b.low, a.high / b.high}; }
+  /// a, but no less than b; and no more.
+  friend WideDouble at_least(const WideDouble& a, const WideDouble& b) {
+    return {a.low < b.low ? b.low : a.low, a.high < b.high ? b.high : a.high};
+  }
+  friend WideDouble at_most(const WideDouble& a, const WideDouble& b) {
+    return {b.low < a.low ? b.low : a.low, b.high < a.high ? b.high : a.high};
+  }
+};
+
+struct WideVec3 {
+  Wide x, y, z;
+  WideVec3() = default;
+  WideVec3(Wide x_, Wide y_, Wide z_) : x(x_), y(y_), z(z_) {}
+  explicit WideVec3(Wide all) : x(all), y(all), z(all) {}
+  explicit WideVec3(const vec3& one) : x(one.x), y(one.y), z(one.z) {}
+  /// From arrays of x, y and z.
+  static WideVec3 load(const float* px, const float* py, const float* pz) {
+    return {Wide::load(px), Wide::load(py), Wide::load(pz)};
+  }
+  friend WideVec3 operator+(const WideVec3& a, const WideVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend WideVec3 operator-(const WideVec3& a, const WideVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend WideVec3 operator*(const WideVec3& a, const WideVec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+  friend WideVec3 operator*(const WideVec3& a, Wide b) { return {a.x * b, a.y * b, a.z * b}; }
+  friend WideVec3 operator*(Wide a, const WideVec3& b) { return {a * b.x, a * b.y, a * b.z}; }
+  friend WideVec3 operator/(const WideVec3& a, Wide b) { return {a.x / b, a.y / b, a.z / b}; }
+  friend WideVec3 operator-(const WideVec3& a) { return {-a.x, -a.y, -a.z}; }
+  WideVec3& operator+=(const WideVec3& b) { return *this = *this + b; }
+  WideVec3& operator*=(const WideVec3& b) { return *this = *this * b; }
+};
+inline Wide dot(const WideVec3& a, const WideVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline WideVec3 cross(const WideVec3& a, const WideVec3& b) {
+  return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+}
+inline WideVec3 abs(const WideVec3& a) { return {magnitude(a.x), magnitude(a.y), magnitude(a.z)}; }
+inline WideVec3 select(WideMask m, const WideVec3& yes, const WideVec3& no) {
+  return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
+}
+
+}  // namespace
+}  // namespace raylab

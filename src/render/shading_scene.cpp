@@ -1,0 +1,109 @@
+#include "shading_scene.hpp"
+
+namespace raylab {
+
+ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Accelerator& accelerator_,
+                           const SceneNeeds& needs_, const IntegratorSettings& settings_)
+    : scene(scene_),
+      camera(camera_),
+      accelerator(accelerator_),
+      needs(needs_),
+      settings(settings_),
+      lights(scene_, needs_),
+      sample_lights(settings_.kind == IntegratorKind::path && !lights.empty()) {
+  materials.reserve(scene.materials.size());
+  for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
+    materials.push_back({static_cast<float>(m.kind), m.fuzz, m.index, lights.triangle_pdf_area(i), m.color.a,
+                         m.color.kind != Texture::Kind::solid});
+  }
+}
+
+void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes& out) const {
+  const Geometry& geometry = scene.geometry;
+  out.spheres = 0;
+  out.varying = 0;
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t id = hits.geometry[i];
+    if (id == HitBatch::kNoHit) {
+      out.kind[i] = kMissKind;
+      continue;
+    }
+    const std::uint32_t primitive = hits.primitive[i];
+    std::uint32_t material_id;
+    vec3 normal_sum(0.0f);
+    if (needs.spheres && geometry.is_sphere(id)) {
+      const Sphere& sphere = geometry.spheres[primitive];
+      const float* const row = &sphere.center.x;
+      static_assert(sizeof(Sphere) == 4 * sizeof(float));
+      for (int k = 0; k < 4; ++k) out.corner[k][i] = row[k];
+      material_id = scene.sphere_materials[primitive];
+      out.spheres |= 1u << i;
+    } else {
+      const TriangleMesh& mesh = geometry.meshes[id];
+      const uvec3& corners = mesh.triangles[primitive];
+      const float* const p0 = &mesh.positions[corners.x].x;
+      const float* const p1 = &mesh.positions[corners.y].x;
+      const float* const p2 = &mesh.positions[corners.z].x;
+      for (int k = 0; k < 3; ++k) {
+        out.corner[k][i] = p0[k];
+        out.corner[3 + k][i] = p1[k];
+        out.corner[6 + k][i] = p2[k];
+      }
+      if (needs.shading_normals && !mesh.normals.empty()) {
+        normal_sum = interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
+      }
+      material_id = scene.mesh_materials[id].of(primitive);
+    }
+    const MaterialRow& material = materials[material_id];
+    out.kind[i] = material.kind;
+    out.fuzz[i] = material.fuzz;
+    out.index[i] = material.index;
+    out.light_pdf_area[i] = material.light_pdf_area;
+    for (int k = 0; k < 3; ++k) {
+      out.color[k][i] = (&material.color.x)[k];
+      out.normal_sum[k][i] = (&normal_sum.x)[k];
+    }
+    out.varying |= static_cast<std::uint32_t>(material.varies) << i;
+  }
+}
+
+void ShadingScene::look_up_colors(const HitLanes& hits, const VectorLanes& position, const VectorLanes& ng,
+                                  SurfaceLanes& out) const {
+  for (std::uint32_t lanes = out.varying; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    const Texture& texture = scene.materials[scene.material_of(hits.geometry[i], hits.primitive[i])].color;
+    vec2 uv(0.0f);
+    if (texture.kind == Texture::Kind::image) {
+      uv = (out.spheres >> i & 1u) != 0
+               ? sphere_texcoords({ng[0][i], ng[1][i], ng[2][i]})
+               : interpolated_texcoords(scene.geometry.meshes[hits.geometry[i]], hits.primitive[i], hits.u[i],
+                                        hits.v[i]);
+    }
+    const Rgb color = texture_color(texture, scene.textures, {position[0][i], position[1][i], position[2][i]}, uv);
+    for (int k = 0; k < 3; ++k) out.color[k][i] = (&color.x)[k];
+  }
+}
+
+void ShadingScene::sphere_light_pdfs(std::uint32_t lanes, const HitLanes& hits, const VectorLanes& p,
+                                     const VectorLanes& position, const VectorLanes& wi, float* pdf) const {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    pdf[i] = lights.sphere_pdf(hits.primitive[i], scene.sphere_materials[hits.primitive[i]],
+                               {p[0][i], p[1][i], p[2][i]}, {position[0][i], position[1][i], position[2][i]},
+                               {wi[0][i], wi[1][i], wi[2][i]});
+  }
+}
+
+void ShadingScene::environment(std::uint32_t lanes, const VectorLanes& direction, VectorLanes& radiance,
+                               float* pdf) const {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    const vec3 d(direction[0][i], direction[1][i], direction[2][i]);
+    const Rgb arriving = scene.environment.radiance(d);
+    for (int k = 0; k < 3; ++k) radiance[k][i] = (&arriving.x)[k];
+    pdf[i] = lights.environment_pdf(d);
+  }
+}
+
+}  // namespace raylab

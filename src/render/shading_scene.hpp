@@ -1,0 +1,75 @@
+#pragma once
+// What the wavefront reads of a scene. Its functions are compiled once for all instruction sets: they gather what the
+// lanes of a vector need from the scene's arrays, and do lane by lane what few lanes need.
+#include "raylab/render/integrator.hpp"
+#include "raylab/scene/surface_point.hpp"
+
+namespace raylab {
+
+/// Most lanes of any instruction set's vectors.
+inline constexpr int kMostLanes = 16;
+
+/// MaterialLanes::kind of a ray that has hit nothing.
+inline constexpr float kMissKind = 15.0f;
+
+/// What is known of some hits before their positions are. Masks have bit i for lane i.
+struct SurfaceLanes {
+  alignas(64) float corner[9][kMostLanes];  ///< x, y, z of the three corners; of spheres centre and radius
+  alignas(64) float normal_sum[3][kMostLanes];  ///< see shading_normal(); 0 without one
+  alignas(64) float kind[kMostLanes];
+  alignas(64) float fuzz[kMostLanes];
+  alignas(64) float index[kMostLanes];
+  alignas(64) float color[3][kMostLanes];
+  alignas(64) float light_pdf_area[kMostLanes];
+  std::uint32_t spheres = 0;
+  std::uint32_t varying = 0;  ///< colour to be looked up
+};
+
+/// Hits of the lanes.
+struct HitLanes {
+  const float* u;
+  const float* v;
+  const std::uint32_t* geometry;
+  const std::uint32_t* primitive;
+};
+
+/// Points or directions of the lanes: arrays of x, y and z.
+using VectorLanes = float[3][kMostLanes];
+
+struct ShadingScene {
+  ShadingScene(const Scene& scene, const Camera& camera, const Accelerator& accelerator, const SceneNeeds& needs,
+               const IntegratorSettings& settings);
+
+  void fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes& surfaces) const;
+  /// Colours of the `varying` lanes, by position and, on spheres, normal.
+  void look_up_colors(const HitLanes& hits, const VectorLanes& position, const VectorLanes& ng,
+                      SurfaceLanes& surfaces) const;
+  /// Lights::sphere_pdf for some lanes.
+  void sphere_light_pdfs(std::uint32_t lanes, const HitLanes& hits, const VectorLanes& p, const VectorLanes& position,
+                         const VectorLanes& wi, float* pdf) const;
+  /// Radiance from outside the scene for some lanes, and Lights::environment_pdf.
+  void environment(std::uint32_t lanes, const VectorLanes& direction, VectorLanes& radiance, float* pdf) const;
+
+  /// What shading reads of a material, side by side.
+  struct MaterialRow {
+    float kind, fuzz, index;
+    float light_pdf_area;  ///< Lights::triangle_pdf_area of triangles that emit, else 0
+    Rgb color;             ///< where it does not vary
+    bool varies;
+  };
+
+  const Scene& scene;
+  const Camera& camera;
+  const Accelerator& accelerator;
+  SceneNeeds needs;
+  IntegratorSettings settings;
+  Lights lights;
+  bool sample_lights;
+  std::vector<MaterialRow> materials;
+};
+
+extern const TraceKernel kTraceSse42;
+extern const TraceKernel kTraceAvx2;
+extern const TraceKernel kTraceAvx512;
+
+}  // namespace raylab

@@ -1,0 +1,7 @@
+#include "wavefront.hpp"
+
+namespace raylab {
+
+const TraceKernel kTraceAvx512 = trace;
+
+}  // namespace raylab

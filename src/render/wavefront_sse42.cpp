@@ -1,0 +1,7 @@
+#include "wavefront.hpp"
+
+namespace raylab {
+
+const TraceKernel kTraceSse42 = trace;
+
+}  // namespace raylab
