@@ -116,17 +116,13 @@ TEST_CASE("hits where there is nothing are false hits", "[unit]") {
     return std::optional(Hit{1.0f, 0.2f, 0.2f, 0, 7});
   }));
   CHECK(errors.hits == 0);
-  // But for the line through triangle 7 itself: that one meets it where the ray does not go.
   CHECK(errors.false_hits.count == 128);
   CHECK(errors.leaks.count + errors.false_misses.count + errors.wrong_primitives.count + errors.undecided == 0);
 }
 
 TEST_CASE("a ray let through the near wall of a closed surface to the far one is a leak", "[unit]") {
   Bench bench;
-  for (Ray& ray : bench.rays) {
-    ray.origin = -3.0f * ray.direction;
-    ray.direction *= 1.001f;  // off the middle of the far triangle's opposite, which is another's edge
-  }
+  for (Ray& ray : bench.rays) ray.origin = -3.0f * ray.direction;
   const auto through = [&](const Ray& ray, const std::optional<Hit>& hit) {
     Ray rest = ray;
     rest.t_min = hit->t * 1.01f;
@@ -135,7 +131,7 @@ TEST_CASE("a ray let through the near wall of a closed surface to the far one is
   const HitErrors errors = bench.judge(one_in(10, through));
   CHECK(errors.leaks.count == 128);
   CHECK(errors.false_misses.count + errors.false_hits.count == 0);
-  CHECK(errors.wrong_primitives.count + errors.undecided == 128);
+  CHECK(errors.wrong_primitives.count == 128);
 }
 
 TEST_CASE("rays lost at vertices are leaks, but at the vertices of a silhouette they are undecided", "[unit]") {
