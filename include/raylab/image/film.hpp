@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,10 @@ class ExactSum {
 
   /// x must not be NaN.
   void add(double x) {
+    if (std::abs(x) < 0x1p8) {  // nearly always: one conversion does
+      sum_ += static_cast<std::int64_t>(x * kScale);
+      return;
+    }
     x = std::clamp(x, -kLargest, kLargest);
     const auto whole = static_cast<std::int64_t>(x);
     const auto fraction = static_cast<std::int64_t>((x - static_cast<double>(whole)) * kScale);
