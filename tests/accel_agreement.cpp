@@ -1,4 +1,5 @@
 // All accelerators against `list`, which tests every primitive.
+#include "batches.hpp"
 #include "catch.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/agreement_cases.hpp"
@@ -6,6 +7,7 @@
 #include "raylab/measure/shapes.hpp"
 
 using namespace raylab;
+using raylab::test::check_batches;
 
 namespace {
 
@@ -29,6 +31,18 @@ TEST_CASE("every accelerator agrees with testing all primitives on 10,000 random
       CHECK(report.agrees());
     });
     CHECK(passes_agreement(entry.name, best_options(entry.name), 2, [](const auto&, const auto&) {}));
+  }
+}
+
+TEST_CASE("every accelerator answers a batch as it answers its rays one by one", "[agreement]") {
+  const FlushDenormals flush;
+  const Geometry geometry = mixed();
+  std::vector<Ray> rays = random_rays(geometry.bounds(), 3000, 11);
+  const std::vector<Ray> axes = axis_aligned_rays(geometry.bounds(), 300, 12);
+  rays.insert(rays.end(), axes.begin(), axes.end());
+  for (const AcceleratorEntry& entry : accelerators()) {
+    INFO(entry.name);
+    check_batches(*entry.make(geometry, best_options(entry.name)), rays);
   }
 }
 

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
+#include <type_traits>
 
 #include "backends.hpp"
 #include "raylab/core/error.hpp"
@@ -36,21 +37,54 @@ using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, DeviceRelease>;
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneRelease>;
 using EmbreeGeometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, GeometryRelease>;
 
+// The last argument that Embree 4 takes and the context that Embree 3 takes, for queries of one ray and of packets.
 #if RAYLAB_EMBREE_MAJOR >= 4
-void embree_intersect(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray, nullptr); }
-void embree_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+#define RAYLAB_EMBREE_QUERY(name, Query)                                                        \
+  void embree_query(RTCScene scene, Query& query) { rtc##name##1(scene, &query, nullptr); }
+#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                    \
+  void embree_query(const int* valid, RTCScene scene, Query& query) { rtc##name##N(valid, scene, &query, nullptr); }
 #else
-void embree_intersect(RTCScene scene, RTCRayHit& ray) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &ray);
-}
-void embree_occluded(RTCScene scene, RTCRay& ray) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, &ray);
-}
+#define RAYLAB_EMBREE_QUERY(name, Query)                                                        \
+  void embree_query(RTCScene scene, Query& query) {                                             \
+    RTCIntersectContext context;                                                                \
+    rtcInitIntersectContext(&context);                                                          \
+    rtc##name##1(scene, &context, &query);                                                      \
+  }
+#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                    \
+  void embree_query(const int* valid, RTCScene scene, Query& query) {                           \
+    RTCIntersectContext context;                                                                \
+    rtcInitIntersectContext(&context);                                                          \
+    rtc##name##N(valid, scene, &context, &query);                                               \
+  }
 #endif
+RAYLAB_EMBREE_QUERY(Intersect, RTCRayHit)
+RAYLAB_EMBREE_QUERY(Occluded, RTCRay)
+RAYLAB_EMBREE_PACKET(Intersect, 4, RTCRayHit4)
+RAYLAB_EMBREE_PACKET(Occluded, 4, RTCRay4)
+RAYLAB_EMBREE_PACKET(Intersect, 8, RTCRayHit8)
+RAYLAB_EMBREE_PACKET(Occluded, 8, RTCRay8)
+RAYLAB_EMBREE_PACKET(Intersect, 16, RTCRayHit16)
+RAYLAB_EMBREE_PACKET(Occluded, 16, RTCRay16)
+#undef RAYLAB_EMBREE_QUERY
+#undef RAYLAB_EMBREE_PACKET
+
+template <int n>
+struct PacketTypes;
+template <>
+struct PacketTypes<4> {
+  using Ray = RTCRay4;
+  using RayHit = RTCRayHit4;
+};
+template <>
+struct PacketTypes<8> {
+  using Ray = RTCRay8;
+  using RayHit = RTCRayHit8;
+};
+template <>
+struct PacketTypes<16> {
+  using Ray = RTCRay16;
+  using RayHit = RTCRayHit16;
+};
 
 /// Largest and smallest length (of the largest component) that a direction may have without being rescaled:
 /// Embree takes components below 1e-18 for 1e-18 in its box tests.
@@ -82,6 +116,26 @@ float to_embree(const Ray& ray, RTCRay& out) {
   return scale;
 }
 
+/// The same for lane i of a packet.
+template <class Packet>
+float to_embree(const Ray& ray, Packet& out, int i) {
+  RTCRay one;
+  const float scale = to_embree(ray, one);
+  out.org_x[i] = one.org_x;
+  out.org_y[i] = one.org_y;
+  out.org_z[i] = one.org_z;
+  out.dir_x[i] = one.dir_x;
+  out.dir_y[i] = one.dir_y;
+  out.dir_z[i] = one.dir_z;
+  out.tnear[i] = one.tnear;
+  out.tfar[i] = one.tfar;
+  out.time[i] = 0.0f;
+  out.mask[i] = ~0u;
+  out.id[i] = 0;
+  out.flags[i] = 0;
+  return scale;
+}
+
 bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
   const Ray own{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}};
   const Sphere& sphere = static_cast<const Geometry*>(user)->spheres[primitive];
@@ -97,26 +151,31 @@ void sphere_bounds_callback(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0.0f, b.upper.x, b.upper.y, b.upper.z, 0.0f};
 }
 
-// Only single rays are traced, so a packet of N rays is one ray.
 void sphere_intersect_callback(const RTCIntersectFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const bool hit = hit_sphere(args->geometryUserPtr, args->primID, query.ray, query.ray.tfar);
-  if (hit) {
-    query.hit.u = query.hit.v = 0.0f;
-    query.hit.geomID = args->geomID;
-    query.hit.primID = args->primID;
+  RTCRayN* const rays = RTCRayHitN_RayN(args->rayhit, args->N);
+  RTCHitN* const hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    float& t = RTCRayN_tfar(rays, args->N, i);
+    const bool hit = hit_sphere(args->geometryUserPtr, args->primID, rtcGetRayFromRayN(rays, args->N, i), t);
+    if (hit) {
+      RTCHitN_u(hits, args->N, i) = 0.0f;
+      RTCHitN_v(hits, args->N, i) = 0.0f;
+      RTCHitN_geomID(hits, args->N, i) = args->geomID;
+      RTCHitN_primID(hits, args->N, i) = args->primID;
+    }
+    args->valid[i] = hit ? -1 : 0;
   }
-  args->valid[0] = hit ? -1 : 0;
 }
 
 void sphere_occluded_callback(const RTCOccludedFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  float t;
-  const bool hit = hit_sphere(args->geometryUserPtr, args->primID, ray, t);
-  if (hit) ray.tfar = -kInfinity;
-  args->valid[0] = hit ? -1 : 0;
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    float t;
+    const bool hit = hit_sphere(args->geometryUserPtr, args->primID, rtcGetRayFromRayN(args->ray, args->N, i), t);
+    if (hit) RTCRayN_tfar(args->ray, args->N, i) = -kInfinity;
+    args->valid[i] = hit ? -1 : 0;
+  }
 }
 
 bool count_bytes(void* total, ssize_t bytes, bool) {
@@ -159,6 +218,8 @@ class Embree final : public Accelerator {
     const std::string config = options.threads > 0 ? "threads=" + std::to_string(options.threads) : "";
     device_.reset(rtcNewDevice(config.c_str()));
     check_device();
+    if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) packet_size_ = 8;
+    if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) packet_size_ = 16;
     rtcSetDeviceMemoryMonitorFunction(device_.get(), count_bytes, &bytes_);
     scene_.reset(rtcNewScene(device_.get()));
     check_device();
@@ -184,27 +245,85 @@ class Embree final : public Accelerator {
     const float tfar = query.ray.tfar;
     if (!(tnear <= tfar)) return std::nullopt;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    embree_intersect(scene_.get(), query);
+    embree_query(scene_.get(), query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    // Embree compares t times a determinant, so the quotient it reports can be a float outside the interval.
-    // Clamped, the answer stays the one that occluded() gives.
-    const float t = std::clamp(query.ray.tfar, tnear, tfar) * scale;
-    const auto& original = original_[query.hit.geomID];
-    const std::uint32_t primitive = original.empty() ? query.hit.primID : original[query.hit.primID];
-    return Hit{t, query.hit.u, query.hit.v, query.hit.geomID, primitive};
+    return to_hit(query.ray.tfar, tnear, tfar, scale, query.hit.u, query.hit.v, query.hit.geomID, query.hit.primID);
   }
 
   bool occluded(const Ray& ray) const noexcept override {
     RTCRay query;
     to_embree(ray, query);
     if (!(query.tnear <= query.tfar)) return false;
-    embree_occluded(scene_.get(), query);
+    embree_query(scene_.get(), query);
     return query.tfar < 0.0f;
+  }
+
+  void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
+    in_packets([&](auto size) { intersect_packets<decltype(size)::value>(rays, hits); });
+  }
+
+  void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
+    in_packets([&](auto size) { occluded_packets<decltype(size)::value>(rays, occluded_rays); });
   }
 
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
+  std::optional<Hit> to_hit(float t, float tnear, float tfar, float scale, float u, float v, unsigned geometry,
+                            unsigned primitive) const {
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    // Embree compares t times a determinant, so the quotient it reports can be a float outside the interval.
+    // Clamped, the answer stays the one that occluded() gives.
+    const auto& original = original_[geometry];
+    return Hit{std::clamp(t, tnear, tfar) * scale, u, v, geometry,
+               original.empty() ? primitive : original[primitive]};
+  }
+
+  /// Calls body with the packet size that this Embree traces natively.
+  template <class Body>
+  void in_packets(const Body& body) const {
+    if (packet_size_ == 16) return body(std::integral_constant<int, 16>());
+    if (packet_size_ == 8) return body(std::integral_constant<int, 8>());
+    body(std::integral_constant<int, 4>());
+  }
+
+  template <int n>
+  void intersect_packets(const RayBatch& rays, const HitBatch& hits) const noexcept {
+    for (std::size_t first = 0; first < rays.count; first += n) {
+      const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
+      typename PacketTypes<n>::RayHit query;
+      alignas(64) int valid[n] = {};
+      float tnear[n], tfar[n], scale[n];
+      for (int i = 0; i < count; ++i) {
+        scale[i] = to_embree(rays.ray(first + static_cast<std::size_t>(i)), query.ray, i);
+        tnear[i] = query.ray.tnear[i];
+        tfar[i] = query.ray.tfar[i];
+        valid[i] = tnear[i] <= tfar[i] ? -1 : 0;
+        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      embree_query(valid, scene_.get(), query);
+      for (int i = 0; i < count; ++i) {
+        hits.set(first + static_cast<std::size_t>(i), to_hit(query.ray.tfar[i], tnear[i], tfar[i], scale[i], query.hit.u[i],
+                                                             query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
+      }
+    }
+  }
+
+  template <int n>
+  void occluded_packets(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept {
+    for (std::size_t first = 0; first < rays.count; first += n) {
+      const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
+      typename PacketTypes<n>::Ray query;
+      alignas(64) int valid[n] = {};
+      for (int i = 0; i < count; ++i) {
+        to_embree(rays.ray(first + static_cast<std::size_t>(i)), query, i);
+        valid[i] = query.tnear[i] <= query.tfar[i] ? -1 : 0;
+      }
+      embree_query(valid, scene_.get(), query);
+      for (int i = 0; i < count; ++i) occluded_rays[first + i] = valid[i] != 0 && query.tfar[i] < 0.0f ? 1 : 0;
+    }
+  }
+
   void check_device() const {
     const RTCError error = rtcGetDeviceError(device_.get());
     if (error == RTC_ERROR_NONE) return;
@@ -269,6 +388,7 @@ class Embree final : public Accelerator {
     return buffer;
   }
 
+  int packet_size_ = 4;
   std::atomic<std::ptrdiff_t> bytes_{0};  // outlives the device, which counts into it
   Device device_;
   EmbreeScene scene_;
