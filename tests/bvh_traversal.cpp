@@ -84,6 +84,7 @@ TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to dire
     Ray& ray = rays[i];
     if (const auto hit = list->intersect(ray)) ray.origin = ray.at(hit->t);
     ray.direction = uniform.in_box(vec3(-1.0f), vec3(1.0f));
+    if (i % 5 == 0) ray.origin = mixed.spheres[i % mixed.spheres.size()].center;  // halfway between its two roots
     if (i % 7 == 0) ray.direction *= std::ldexp(1.0f, static_cast<int>(i % 240) - 120);
   }
   // The book's test depends on the length.

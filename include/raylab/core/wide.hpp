@@ -253,8 +253,24 @@ struct WideDouble {
   }
   friend WideDouble operator+(const WideDouble& a, const WideDouble& b) { return {a.low + b.low, a.high + b.high}; }
   friend WideDouble operator-(const WideDouble& a, const WideDouble& b) { return {a.low - b.low, a.high - b.high}; }
+  friend WideDouble operator-(const WideDouble& a) { return {-a.low, -a.high}; }
   friend WideDouble operator*(const WideDouble& a, const WideDouble& b) { return {a.low * b.low, a.high * b.high}; }
   friend WideDouble operator/(const WideDouble& a, const WideDouble& b) { return {a.low / b.low, a.high / b.high}; }
+  friend WideDouble square_root(const WideDouble& x) {
+#if defined(__AVX512F__)
+    return {_mm512_sqrt_pd(x.low), _mm512_sqrt_pd(x.high)};
+#elif defined(__AVX2__)
+    return {_mm256_sqrt_pd(x.low), _mm256_sqrt_pd(x.high)};
+#else
+    return {_mm_sqrt_pd(x.low), _mm_sqrt_pd(x.high)};
+#endif
+  }
+  /// x, or where b is negative -x.
+  friend WideDouble flipped_with(const WideDouble& x, const WideDouble& b) {
+    using Bits = std::int64_t __attribute__((vector_size(kLanes * 4)));
+    constexpr std::int64_t sign = std::int64_t{1} << 63;
+    return {Half(Bits(x.low) ^ (Bits(b.low) & sign)), Half(Bits(x.high) ^ (Bits(b.high) & sign))};
+  }
   /// a, but no less than b; and no more.
   friend WideDouble at_least(const WideDouble& a, const WideDouble& b) {
     return {a.low < b.low ? b.low : a.low, a.high < b.high ? b.high : a.high};

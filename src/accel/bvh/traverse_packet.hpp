@@ -160,6 +160,30 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
   return !(passes | leaves);
 }
 
+/// intersect_sphere() operation by operation: the nearest t with t_min < t <= limit, in the lanes it gives.
+inline WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const float (&sphere)[4], Wide t_min,
+                                Wide limit, Wide& t) {
+  const WideDouble dx(direction.x), dy(direction.y), dz(direction.z);
+  const WideDouble ox = WideDouble(origin.x) - sphere[0];
+  const WideDouble oy = WideDouble(origin.y) - sphere[1];
+  const WideDouble oz = WideDouble(origin.z) - sphere[2];
+  const double radius = sphere[3];
+  const WideDouble a = dx * dx + dy * dy + dz * dz;
+  const WideDouble b = -(ox * dx + oy * dy + oz * dz);
+  const WideDouble mx = oy * dz - dy * oz, my = oz * dx - dz * ox, mz = ox * dy - dx * oy;
+  const WideDouble discriminant = WideDouble(radius * radius) * a - (mx * mx + my * my + mz * mz);
+  const WideDouble q = b + flipped_with(square_root(discriminant), b);
+  const Wide t0 = ((ox * ox + oy * oy + oz * oz - radius * radius) / q).to_float();
+  const Wide t1 = (q / a).to_float();
+  const WideMask meets = discriminant.to_sign() >= Wide(0.0f);
+  const Wide nearer = select(t0 < t1, t0, t1);
+  const Wide farther = select(t0 < t1, t1, t0);
+  const WideMask first = (t_min < nearer) & (nearer <= limit);
+  t = select(first, nearer, farther);
+  // Where q is 0 both roots are, and are not numbers here: no hit, since t_min is not negative.
+  return meets & (first | ((t_min < farther) & (farther <= limit)));
+}
+
 /// What the two packet traversals share.
 template <class NodeVector>
 class Packet {
@@ -290,15 +314,11 @@ class Packet {
   void hit_spheres(std::uint32_t place, WideMask active) {
     float sphere[4];
     sphere_at(tree_.context, place, sphere);
-    std::uint32_t left = (active & may_hit_sphere(origin_, direction_, sphere)).bits();
-    if (left == 0) return;
-    best_t_.store(limits_);
-    for (; left != 0; left &= left - 1) {
-      const int i = __builtin_ctz(left);
-      float t;
-      if (hit_sphere<kind>(tree_.context, place, ray(i), limits_[i], t)) take(i, {t, 0.0f, 0.0f, place});
-    }
-    best_t_ = Wide::load(limits_);
+    active = active & may_hit_sphere(origin_, direction_, sphere);
+    if (!any(active)) return;
+    Wide t;
+    const WideMask hit = active & sphere_distance(origin_, direction_, sphere, t_min_, best_t_, t);
+    accept<any_hit>(hit, t, Wide(0.0f), Wide(0.0f), place);
   }
 
   template <bool any_hit>
