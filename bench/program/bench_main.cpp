@@ -44,13 +44,110 @@ CLI::App* add_rays(CLI::App& app, RaysOptions& options) {
   return command;
 }
 
+/// Options of the suites that make pictures.
+template <class Options>
+void add_pictures(CLI::App& command, Options& options) {
+  command.add_option("--width", options.width, "Picture width in pixels; 0: the scene's")
+      ->check(CLI::Range(0, 65536))
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads for building and rendering; 0: all")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command.add_option("--reference-spp", options.reference_spp, "Samples per pixel of the reference")
+      ->check(CLI::Range(2, 1 << 24))
+      ->capture_default_str();
+  command.add_option("--cache", options.cache,
+                     "Folder of the references (default: references in that of the results)");
+  command.add_option("--target-error", options.target_error, "relMSE aimed at")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+CLI::App* add_needs(CLI::App& app, NeedsOptions& options) {
+  CLI::App* command = app.add_subcommand("needs", "How little a scene can be rendered with for a given error");
+  command->add_option("scene", options.scenes, "Scene files")->required();
+  add_common(*command, options);
+  command->add_option("--spp", options.spp, "Samples per pixel of the measurements that choose")
+      ->check(CLI::Range(2, 1 << 20))
+      ->capture_default_str();
+  add_pictures(*command, options);
+  return command;
+}
+
+CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
+  CLI::App* command = app.add_subcommand("render", "Whole pictures: error against time");
+  command->add_option("scene", options.scenes, "Scene files")->required();
+  add_common(*command, options);
+  command->add_option("--integrator", options.integrators, "Integrators, comma separated")->delimiter(',');
+  command->add_option("--sampler", options.samplers, "Samplers, comma separated")->delimiter(',');
+  command->add_option("--spp", options.spp, "Samples per pixel, comma separated, rising")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  add_pictures(*command, options);
+  command
+      ->add_option("--peer-python", options.peer_python,
+                   "A Python that has the package mitsuba: Mitsuba 3 is then measured too")
+      ->envname("RAYLAB_PEER_PYTHON");
+  return command;
+}
+
+CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
+  add_common(*command, options);
+  command
+      ->add_option("--family", options.families,
+                   "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")
+      ->delimiter(',');
+  command->add_option("--largest", options.largest, "Most triangles; sizes are powers of ten from 1000 on")
+      ->check(CLI::Range(1000, 100000000))
+      ->capture_default_str();
+  command->add_option("--rays", options.rays, "Rays that are timed")
+      ->check(CLI::Range(1, 1 << 26))
+      ->capture_default_str();
+  command->add_option("--checked", options.checked, "Rays whose hits are checked")
+      ->check(CLI::Range(1, 1 << 26))
+      ->capture_default_str();
+  return command;
+}
+
+CLI::App* add_report(CLI::App& app, ReportOptions& options) {
+  CLI::App* command = app.add_subcommand("report", "Charts and index.html of a folder of results");
+  command->add_option("folder", options.folder, "Folder of results")->required();
+  command->add_flag("--png", options.png, "Charts as PNG too");
+  command->add_option("--python", options.python, "A Python that has matplotlib (default: the one found)");
+  return command;
+}
+
+CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("compare", "What changed between two folders of results, beyond their noise");
+  command->add_option("old", options.before, "Folder of the old results")->required();
+  command->add_option("new", options.after, "Folder of the new results")->required();
+  command->add_flag("--any-machine", options.any_machine, "Even if they are of two machines");
+  return command;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Measures accelerators and renders: speed and accuracy together."};
   app.name("raylab-bench");
   app.set_version_flag("--version", std::string("raylab-bench ") + RAYLAB_VERSION);
   app.require_subcommand(1);
   RaysOptions rays_options;
-  CLI::App* rays_command = add_rays(app, rays_options);
+  RenderSuiteOptions render_options;
+  NeedsOptions needs_options;
+  ScaleOptions scale_options;
+  ReportOptions report_options;
+  CompareOptions compare_options;
+  // A render takes long enough to time well, and its error needs few seeds to be known.
+  render_options.repeats = needs_options.repeats = 3;
+  const CLI::App* rays_command = add_rays(app, rays_options);
+  const CLI::App* render_command = add_render(app, render_options);
+  const CLI::App* scale_command = add_scale(app, scale_options);
+  const CLI::App* needs_command = add_needs(app, needs_options);
+  const CLI::App* report_command = add_report(app, report_options);
+  const CLI::App* compare_command = add_compare(app, compare_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -58,10 +155,18 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "raylab-bench: %s\nRun with --help for the options.\n", e.what());
     return static_cast<int>(ErrorKind::usage);
   }
-  if (*rays_command) {
-    rays_options.command_line = command_line("raylab-bench", argc, argv);
-    return rays(rays_options);
+  const std::string line = command_line("raylab-bench", argc, argv);
+  for (CommonOptions* o :
+       {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&render_options),
+        static_cast<CommonOptions*>(&needs_options), static_cast<CommonOptions*>(&scale_options)}) {
+    o->command_line = line;
   }
+  if (*rays_command) return rays(rays_options);
+  if (*render_command) return bench::render(render_options);
+  if (*scale_command) return bench::scale(scale_options);
+  if (*needs_command) return needs(needs_options);
+  if (*report_command) return report(report_options);
+  if (*compare_command) return compare(compare_options);
   return 0;
 }
 

@@ -21,6 +21,49 @@ struct RaysOptions : CommonOptions {
   std::size_t checked = 20000;
 };
 
+struct RenderSuiteOptions : CommonOptions {
+  std::vector<std::string> integrators, samplers;
+  std::vector<int> spp{4, 16, 64};  ///< rising
+  int width = 128;
+  int threads = 0;
+  int reference_spp = 1024;
+  std::string cache;
+  double target_error = 0.01;
+  std::string peer_python;
+};
+
+struct NeedsOptions : CommonOptions {
+  int spp = 16;  ///< of the measurements that choose
+  int width = 96;
+  int threads = 0;
+  int reference_spp = 1024;
+  std::string cache;
+  double target_error = 0.01;
+};
+
+struct ScaleOptions : CommonOptions {
+  std::vector<std::string> families;
+  std::size_t largest = 1000000;  ///< triangles
+  std::size_t rays = 1 << 16;
+  std::size_t checked = 2000;
+};
+
+struct ReportOptions {
+  std::string folder;
+  std::string python;  ///< empty: found
+  bool png = false;
+};
+
+struct CompareOptions {
+  std::string before, after;
+  bool any_machine = false;
+};
+
+int compare(const CompareOptions& options);
 int rays(const RaysOptions& options);
+int report(const ReportOptions& options);
+int scale(const ScaleOptions& options);
+int needs(const NeedsOptions& options);
+int render(const RenderSuiteOptions& options);
 
 }  // namespace raylab::bench

@@ -8,6 +8,18 @@ namespace raylab::bench {
 
 namespace {
 
+/// The first error of a judgement, with its floats exact, so that it can be made again.
+std::string example(const HitErrors& e) {
+  const std::pair<const char*, const Finding*> kinds[] = {{"leak", &e.leaks},
+                                                          {"false miss", &e.false_misses},
+                                                          {"false hit", &e.false_hits},
+                                                          {"wrong primitive", &e.wrong_primitives}};
+  for (const auto& [name, finding] : kinds) {
+    if (finding->first) return std::string(name) + ": " + to_string(*finding->first);
+  }
+  return "";
+}
+
 std::size_t count_errors(const HitErrors& e) {
   return e.leaks.count + e.false_misses.count + e.false_hits.count + e.wrong_primitives.count;
 }
@@ -48,6 +60,7 @@ void add_fields(Row& row, const Judgement& j) {
   row["false_hits"] = e.false_hits.count;
   row["wrong_primitives"] = e.wrong_primitives.count;
   row["wrong"] = j.wrong;
+  if (const std::string text = example(e); !text.empty()) row["example"] = text;
   row["t_error_ulp"] = {{"p50", e.t_error_ulp.p50}, {"p99", e.t_error_ulp.p99}, {"max", e.t_error_ulp.max}};
 }
 

@@ -89,6 +89,7 @@ Built build(const Variant& variant, const Geometry& geometry, int threads) {
   constexpr double kWorthSaving = 1.0;
   std::vector<double> seconds;
   Built built;
+  built.variant = variant;
   const Stopwatch watch;
   do {
     built.accelerator.reset();

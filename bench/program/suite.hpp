@@ -69,6 +69,7 @@ bool is_brute_force(const Variant& variant);
 
 /// Builds it, several times while that takes no time worth saving.
 struct Built {
+  Variant variant;
   std::unique_ptr<Accelerator> accelerator;
   Spread build_seconds;
 };

@@ -1,0 +1,128 @@
+// raylab-bench scale: what grows with the number of triangles, and with threads.
+#include <algorithm>
+
+#include "commands.hpp"
+#include "judged.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/core/timing.hpp"
+#include "raylab/measure/ray_timing.hpp"
+#include "raylab/measure/scale_families.hpp"
+#include "suite.hpp"
+
+namespace raylab::bench {
+
+namespace {
+
+constexpr std::size_t kFewest = 1000;
+
+/// The accelerators asked for as they are by default: their triangle tests are the business of `rays`.
+std::vector<Variant> scale_variants(const ScaleOptions& options) {
+  if (!options.intersectors.empty()) return variants(options.accels, options.intersectors);
+  std::vector<Variant> all;
+  for (const Variant& v : variants(options.accels, {"watertight"})) {
+    if (!is_brute_force(v) || !options.accels.empty()) all.push_back({v.accel, ""});
+  }
+  return all;
+}
+
+/// Wall-clock seconds of all rays on several threads.
+std::vector<double> time_on_threads(const Accelerator& accelerator, std::span<const Ray> rays, int threads,
+                                    int repeats) {
+  const ThreadLimit limit(threads);
+  constexpr std::size_t kBlock = 1024;
+  const std::size_t blocks = (rays.size() + kBlock - 1) / kBlock;
+  std::vector<double> found(blocks);  // what was found, kept so that no query can be left out
+  std::vector<double> seconds;
+  for (int repeat = -1; repeat < repeats; ++repeat) {
+    const Stopwatch watch;
+    parallel_for(blocks, [&](std::size_t block) {
+      double sum = 0.0;
+      for (const Ray& ray : rays.subspan(block * kBlock, std::min(kBlock, rays.size() - block * kBlock))) {
+        const auto hit = accelerator.intersect(ray);
+        sum += hit ? static_cast<double>(hit->t) : 0.0;
+      }
+      found[block] = sum;
+    });
+    if (repeat >= 0) seconds.push_back(watch.seconds());
+  }
+  return seconds;
+}
+
+struct Subject {
+  std::string family;
+  const ScaleFamily& made;
+  const Judge& judge;
+};
+
+Row speeds_of(std::size_t rays, const std::vector<double>& seconds) {
+  std::vector<double> speeds;
+  for (const double s : seconds) speeds.push_back(1e-6 * static_cast<double>(rays) / s);
+  return to_row(spread_of(speeds));
+}
+
+void add_row(Suite& suite, const Subject& subject, const Built& built, int threads, const QueryTimes& times,
+             const Judgement& judgement) {
+  Row row{{"suite", "scale"}, {"scene", subject.family}, {"threads", threads}};
+  add_fields(row, built.variant, subject.made.geometry, built);
+  const std::size_t rays = subject.made.rays.size();
+  // Of several threads there is no time of one processor.
+  row["mrays_per_second"] = speeds_of(rays, times.cpu.empty() ? times.wall : times.cpu);
+  row["mrays_per_second_wall"] = speeds_of(rays, times.wall);
+  row["rays_timed"] = subject.made.rays.size();
+  add_fields(row, judgement);
+  suite.add(
+      {row},
+      {format("%-8s %9zu triangles %d threads %-18s build %8.4f s %7.1f bytes/triangle %6.2f Mrays/s  %s",
+              subject.family.c_str(), row["triangles"].get<std::size_t>(), threads, built.variant.name().c_str(),
+              built.build_seconds.median, row["bytes"].get<double>() / row["triangles"].get<double>(),
+              row["mrays_per_second"]["median"].get<double>(), judgement_text(row).c_str())});
+}
+
+}  // namespace
+
+int scale(const ScaleOptions& options) {
+  const std::vector<Variant> all = scale_variants(options);
+  std::vector<std::string> families = options.families;
+  if (families.empty()) families.assign(scale_family_names().begin(), scale_family_names().end());
+  for (const std::string& family : families) (void)make_scale_family(family, 1, 1, 0);
+  std::vector<std::size_t> sizes;
+  for (std::size_t size = kFewest; size <= options.largest; size *= 10) sizes.push_back(size);
+
+  Suite suite(options.out, "scale", options.command_line);
+  const InterruptGuard guard;
+  for (const std::size_t size : sizes) suite.expect(static_cast<double>(families.size() * size));
+  for (const std::string& family : families) {
+    for (const std::size_t size : sizes) {
+      const ScaleFamily made = make_scale_family(family, size, options.rays, options.seed);
+      const Judge judge(made.geometry);
+      const Subject subject{family, made, judge};
+      const RaySet set{RayKind::primary, made.rays};
+      std::vector<Built> built;
+      std::vector<const Accelerator*> accelerators;
+      for (const Variant& v : all) {
+        suite.check();
+        built.push_back(build(v, made.geometry, 1));
+        accelerators.push_back(built.back().accelerator.get());
+      }
+      const auto times = time_queries(accelerators, made.rays, Query::intersect, options.repeats, [&] {
+        suite.check();
+        return false;
+      });
+      const auto judgements = judge(accelerators, set, options.checked, suite);
+      for (std::size_t i = 0; i < built.size(); ++i) add_row(suite, subject, built[i], 1, times[i], judgements[i]);
+      for (int threads = 2; size == sizes.back() && threads <= hardware_threads(); ++threads) {
+        for (const Variant& v : all) {
+          const Built again = build(v, made.geometry, threads);
+          const Accelerator* one[] = {again.accelerator.get()};
+          const QueryTimes wall{{}, time_on_threads(*one[0], made.rays, threads, options.repeats)};
+          add_row(suite, subject, again, threads, wall, judge(one, set, options.checked, suite).front());
+        }
+      }
+      suite.advance(static_cast<double>(size));
+    }
+  }
+  suite.finish();
+  return 0;
+}
+
+}  // namespace raylab::bench

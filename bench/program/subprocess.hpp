@@ -1,0 +1,11 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace raylab::bench {
+
+/// Runs a program found by PATH and waits for its end, its standard output going nowhere if `quiet`. Returns its
+/// exit code, 127 when it cannot be started, 128 + the signal's number when a signal ended it.
+int run_program(const std::vector<std::string>& command, bool quiet);
+
+}  // namespace raylab::bench

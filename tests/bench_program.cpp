@@ -1,0 +1,231 @@
+#include <algorithm>
+
+#include "catch.hpp"
+#include "raylab/image/image_file.hpp"
+#include "raylab/measure/results.hpp"
+#include "run_program.hpp"
+#include "temp_folder.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kCornell = RAYLAB_SOURCE_DIR "/scenes/cornell.toml";
+
+ProgramResult raylab_bench(const std::vector<std::string>& arguments) {
+  return run_program(RAYLAB_BINARY_DIR "/raylab-bench", arguments);
+}
+
+void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
+  const ProgramResult result = raylab_bench(arguments);
+  INFO(result.err);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.err.find("raylab-bench: ") != std::string::npos);
+  CHECK(result.err.find(part) != std::string::npos);
+}
+
+std::vector<std::string> quick_rays(const fs::path& out) {
+  return {"rays", kCornell, "--rays", "500", "--checked", "100", "--repeats", "1", "--out", out.string()};
+}
+
+std::vector<Row> rows_where(const Results& results, const std::string& field, const Row& value) {
+  std::vector<Row> found;
+  for (const Row& row : results.rows) {
+    if (row.contains(field) && row[field] == value) found.push_back(row);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("raylab-bench rays measures every accelerator and triangle test, and checks each", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench(quick_rays(folder.path()));
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  // Eleven accelerators with triangle tests, five kinds of rays.
+  CHECK(results.rows.size() == 55);
+  for (const Row& row : results.rows) {
+    INFO(row.dump());
+    for (const char* field :
+         {"suite", "scene", "accel", "rays", "threads", "triangles", "build_seconds", "bytes", "mrays_per_second",
+          "rays_checked", "leaks", "false_misses", "false_hits", "wrong_primitives", "wrong", "t_error_ulp"}) {
+      CHECK(row.contains(field));
+    }
+    CHECK(row["rays_checked"] == 100);
+    CHECK(row["mrays_per_second"]["median"].get<double>() > 0.0);
+  }
+  CHECK(rows_where(results, "rays", "shadow").size() == 11);
+  CHECK(rows_where(results, "intersector", "book").size() == 15);
+  const std::string csv = read_text(folder / "results.csv");
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 56);
+  CHECK(std::count(run.out.begin(), run.out.end(), '\n') == 55);
+  CHECK(results.runs[0]["complete"] == true);
+}
+
+TEST_CASE("raylab-bench render tells the error of each way against one reference", "[cli][bench]") {
+  const TempFolder folder;
+  const std::vector<std::string> arguments{"render",          kCornell, "--width",   "16",
+                                           "--spp",           "1,4",    "--repeats", "2",
+                                           "--reference-spp", "32",     "--out",     folder.path().string()};
+  const ProgramResult run = raylab_bench(arguments);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  // A peer that is not there is named, not passed over.
+  CHECK(run.err.find("Mitsuba 3 left out: no --peer-python was given") != std::string::npos);
+  const Results results = read_results(folder.path());
+  const auto measured = rows_where(results, "spp", 4);
+  const auto targets = rows_where(results, "question", "time to error");
+  CHECK(targets.size() == 6);
+  double reference = 0.0;
+  for (const Row& row : measured) {
+    if (row.contains("question")) continue;
+    CHECK(row["relmse"].get<double>() > 0.0);
+    CHECK(row["relmse_trimmed"].get<double>() <= row["relmse"].get<double>());
+    CHECK(row["runs"] == 2);
+    if (reference == 0.0) reference = row["reference_relmse"];
+    CHECK(row["reference_relmse"] == reference);
+  }
+  CHECK(reference > 0.0);
+  for (const Row& row : rows_where(results, "question", "difference")) {
+    CHECK(row["against"] == "list");
+    CHECK(fs::exists(folder / row["picture"].get<std::string>()));
+    if (row["accel"] == "bvh") CHECK(row["different_pixels"] == 0);
+  }
+  // The reference is made once: the second run finds it.
+  const auto reference_time = [&] { return fs::last_write_time(*fs::directory_iterator(folder / "references")); };
+  const auto before = reference_time();
+  REQUIRE(raylab_bench(arguments).exit_code == 0);
+  CHECK(reference_time() == before);
+}
+
+TEST_CASE("a reference of another size is refused by name", "[cli][bench]") {
+  const TempFolder folder;
+  const std::vector<std::string> arguments{"render",          kCornell,
+                                           "--width",         "8",
+                                           "--spp",           "1",
+                                           "--repeats",       "1",
+                                           "--accel",         "list",
+                                           "--reference-spp", "2",
+                                           "--out",           folder.path().string()};
+  REQUIRE(raylab_bench(arguments).exit_code == 0);
+  const fs::path file = *fs::directory_iterator(folder / "references");
+  write_exr(file, Image(4, 2));
+  expect_failure(arguments, 3, file.string() + ": the reference has 4 x 2 pixels, expected 8 x 8");
+}
+
+TEST_CASE("raylab-bench needs finds a cheap way and says it in scene-file lines", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench({"needs", kCornell, "--width", "12", "--spp", "4", "--repeats", "2",
+                                          "--reference-spp", "64", "--accel", "list,bvh", "--intersector",
+                                          "watertight", "--target-error", "2", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  const auto energy = rows_where(results, "question", "energy by segment");
+  REQUIRE(energy.size() > 3);
+  for (std::size_t i = 1; i < energy.size(); ++i)
+    CHECK(energy[i]["missing_energy"] <= energy[i - 1]["missing_energy"]);
+  const auto cheapest = rows_where(results, "question", "cheapest");
+  REQUIRE(cheapest.size() == 1);
+  const Row& best = cheapest[0];
+  CHECK(best["kept"] == (best["relmse"].get<double>() < 2.0));
+  const std::string lines = best["scene_file"];
+  CHECK(lines ==
+        "[render]\nsamples_per_pixel = " + best["spp"].dump() + "\nmax_depth = " + best["max_depth"].dump());
+  CHECK(run.out.find(lines) != std::string::npos);
+}
+
+TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run =
+      raylab_bench({"scale", "--family", "sphere", "--largest", "1000", "--rays", "200", "--checked", "50",
+                    "--repeats", "1", "--accel", "bvh,embree", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  CHECK(rows_where(results, "threads", 1).size() == 2);
+  for (const Row& row : results.rows) CHECK(row["rays_checked"] == 50);
+}
+
+TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
+  const TempFolder folder;
+  const auto results = [](double speed) {
+    return R"({"machine": {"cpu": "a"}, "rows": [{"suite": "rays", "accel": "bvh", "mrays_per_second": {"median": )" +
+           std::to_string(speed) + R"(, "min": )" + std::to_string(speed) + R"(, "max": )" +
+           std::to_string(speed) + "}}]}";
+  };
+  fs::create_directory(folder / "old");
+  fs::create_directory(folder / "new");
+  write_text(folder / "old/results.json", results(2.0));
+  write_text(folder / "new/results.json", results(3.0));
+  const ProgramResult run = raylab_bench({"compare", (folder / "old").string(), (folder / "new").string()});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out ==
+        "faster\n  suite=rays accel=bvh: mrays_per_second 2 -> 3 (1.500 times)\n"
+        "1 figures changed, 0 did not, beyond their noise\n");
+  write_text(folder / "new/results.json", R"({"machine": {"cpu": "b"}, "rows": []})");
+  expect_failure({"compare", (folder / "old").string(), (folder / "new").string()}, 2, "--any-machine");
+  CHECK(
+      raylab_bench({"compare", "--any-machine", (folder / "old").string(), (folder / "new").string()}).exit_code ==
+      0);
+}
+
+TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli][bench]") {
+  const TempFolder folder;
+  const std::string wait_then_stop =
+      R"("$@" & p=$!; until [ -s "$0" ]; do sleep 0.02; done; kill -TERM $p; wait $p)";
+  const ProgramResult run =
+      run_program("/bin/sh", {"-c", wait_then_stop, (folder / "results.json").string(),
+                              RAYLAB_BINARY_DIR "/raylab-bench", "rays", kCornell, "--rays", "2000", "--checked",
+                              "10", "--repeats", "100", "--out", folder.path().string()});
+  INFO(run.err);
+  CHECK(run.exit_code == 130);
+  CHECK(run.err.find("interrupted") != std::string::npos);
+  const Results results = read_results(folder.path());
+  CHECK(results.runs[0]["complete"] == false);
+  CHECK(results.rows.size() >= 11);
+  CHECK(results.rows.size() < 55);
+  for (const Row& row : results.rows) CHECK(row.contains("rays_checked"));
+}
+
+TEST_CASE("raylab-bench tells bad input by its place, and exits as documented", "[cli][bench]") {
+  const TempFolder folder;
+  const std::string out = (folder / "out").string();
+  expect_failure({}, 2, "");
+  expect_failure({"rays"}, 2, "scene");
+  expect_failure({"rays", "absent.toml", "--out", out}, 3, "absent.toml");
+  expect_failure({"rays", kCornell, "--accel", "magic", "--out", out}, 2, "magic");
+  expect_failure({"rays", kCornell, "--intersector", "magic", "--out", out}, 2, "magic");
+  expect_failure({"render", kCornell, "--sampler", "magic", "--out", out}, 2, "magic");
+  expect_failure({"scale", "--family", "magic", "--out", out}, 2, "magic");
+  write_text(folder / "file", "");
+  expect_failure({"rays", kCornell, "--out", (folder / "file").string()}, 4, "cannot be made");
+  expect_failure({"report", (folder / "absent").string()}, 3, "results.json: cannot be read");
+  write_text(folder / "results.json", "{\"machine\": {\"cpu\": \"a\"},\n \"rows\": [{\"suite\": ");
+  expect_failure({"report", folder.path().string()}, 3, "results.json:2:");
+  expect_failure({"compare", folder.path().string(), folder.path().string()}, 3, "truncated");
+}
+
+TEST_CASE("raylab-bench report draws the same files from the same results", "[cli][bench]") {
+  const TempFolder folder;
+  REQUIRE(raylab_bench(quick_rays(folder.path())).exit_code == 0);
+  const ProgramResult run = raylab_bench({"report", folder.path().string()});
+  if (run.err.find("no python3 with matplotlib") != std::string::npos) {
+    CHECK(run.exit_code == 1);
+    WARN("left out: python3-matplotlib is not installed");
+    return;
+  }
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const std::string page = read_text(folder / "index.html");
+  const std::string chart = read_text(folder / "rays-cornell.svg");
+  CHECK(page.find("rays-cornell.svg") != std::string::npos);
+  CHECK(page.find("raylab-bench rays") != std::string::npos);
+  REQUIRE(raylab_bench({"report", folder.path().string()}).exit_code == 0);
+  CHECK(read_text(folder / "rays-cornell.svg") == chart);
+  CHECK(read_text(folder / "index.html") == page);
+}
