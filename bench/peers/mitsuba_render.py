@@ -27,7 +27,8 @@ SAMPLES_PER_PASS = 1 << 24  # in flight at once, of the whole picture: bounds th
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", type=Path, help="Raylab scene file (TOML)")
+    parser.add_argument("scene", type=Path, nargs="?", help="Raylab scene file (TOML)")
+    parser.add_argument("--probe", action="store_true", help="only say whether Mitsuba and the variant can be used")
     parser.add_argument("--variant", choices=["llvm_ad_rgb", "scalar_rgb"], default="llvm_ad_rgb")
     parser.add_argument("--width", type=_positive, help="pixels; alone, it keeps the scene's aspect ratio")
     parser.add_argument("--height", type=_positive, help="pixels; alone, it keeps the scene's aspect ratio")
@@ -40,9 +41,13 @@ def parse_arguments():
     parser.add_argument("--seed", type=int, default=0, help="of the first timed render; the others follow it")
     parser.add_argument("--one-sided-lights", action="store_true",
                         help="no copies of the emitters that shine backwards: faster, right where only fronts are seen")
-    parser.add_argument("-o", "--output", type=Path, help="EXR of the first timed render, float RGB")
+    parser.add_argument("-o", "--output", type=Path, help="EXR of the first timed render, float RGB; "
+                        "with {seed} in its name, one of each")
     parser.add_argument("--json", type=Path, help="write the result to this file")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if not arguments.scene and not arguments.probe:
+        parser.error("a scene file is missing")
+    return arguments
 
 
 def _positive(text: str) -> int:
@@ -153,6 +158,8 @@ def replace_file(file: Path, write):
 def main():
     arguments = parse_arguments()
     mi = import_mitsuba(arguments.variant)
+    if arguments.probe:
+        return
     import drjit
     import mitsuba_scene
     import numpy
@@ -195,6 +202,7 @@ def main():
         "threads": arguments.threads,
         "seed": arguments.seed,
         "seconds": {"median": median, "min": min(times), "max": max(times)},
+        "all_seconds": times,
         "warm_up_seconds": warm_up_seconds,
         "compile_seconds": compile_seconds,
         "mpaths_per_second": width * height * spp / median * 1e-6,
@@ -210,8 +218,11 @@ def main():
     if not numpy.isfinite(mean).all():
         print("  some pixels are not finite", file=sys.stderr)
     if arguments.output:
-        first = mi.Bitmap(pictures[1].astype(numpy.float32))
-        replace_file(arguments.output, lambda file: first.write(str(file)))
+        timed = pictures[1:] if "{seed}" in arguments.output.name else pictures[1:2]
+        for repeat, picture in enumerate(timed):
+            bitmap = mi.Bitmap(picture.astype(numpy.float32))
+            name = arguments.output.name.replace("{seed}", str(arguments.seed + repeat))
+            replace_file(arguments.output.with_name(name), lambda file: bitmap.write(str(file)))
     if arguments.json:
         replace_file(arguments.json, lambda file: file.write_text(json.dumps(row, indent=2) + "\n"))
 

@@ -29,17 +29,21 @@ def plain(value, _=None):
 
 def pareto(results, scene, rows):
     kinds = [kind for kind in KINDS if any(row["rays"] == kind for row in rows)]
-    figure, axes = style.panels(len(kinds), 5, width=3.1, height=3.6, sharey=True)
-    # One wrong ray is the least that can be seen; none at all stands to the left of it.
+    figure, axes = style.panels(len(kinds), 5, width=3.1, height=4.0, sharey=True)
+    # One wrong ray is the least that can be seen; none at all stands to the left of it, in a band that is wide enough
+    # for equals to stand side by side.
     one = 1e6 / max(row["rays_checked"] for row in rows)
-    none = one / 4.0
+    left, right = one / 60.0, one / 2.0
+    names = list(dict.fromkeys(style.variant(row) for row in rows))
+    place = {name: left * (right / left) ** ((i + 1) / (len(names) + 1)) for i, name in enumerate(names)}
     largest = max([wrong_per_million(row) for row in rows] + [one * 10.0])
     for axis, kind in zip(axes, kinds):
         points = []
         for row in (row for row in rows if row["rays"] == kind):
             speed = row["mrays_per_second"]
-            x = wrong_per_million(row) or none
+            x = wrong_per_million(row)
             points.append((x, speed["median"]))
+            x = x or place[style.variant(row)]
             axis.errorbar(x, speed["median"],
                           yerr=[[speed["median"] - speed["min"]], [speed["max"] - speed["median"]]],
                           color=style.color(row["accel"]), marker=style.MARKERS.get(row.get("intersector", ""), "D"),
@@ -47,19 +51,19 @@ def pareto(results, scene, rows):
         edge = front(points)
         if edge:
             xs, ys = zip(*edge)
-            axis.step([*reversed(xs), largest * 3.0], [*reversed(ys), ys[0]], where="post", color="#999999",
-                      linewidth=1, linestyle=":", zorder=0)
+            axis.step([*(x or left for x in reversed(xs)), largest * 3.0], [*reversed(ys), ys[0]], where="post",
+                      color="#999999", linewidth=1, linestyle=":", zorder=0)
         axis.set_xscale("log")
         axis.set_yscale("log")
-        axis.set_xlim(none / 2.0, largest * 3.0)
+        axis.set_xlim(left, largest * 3.0)
         decades = [10.0**k for k in range(math.ceil(math.log10(one)), math.ceil(math.log10(largest * 3.0)))]
         step = max(1, -(-len(decades) // 4))
-        axis.xaxis.set_major_locator(FixedLocator([none, *decades[::step]]))
-        axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: "0" if x < one / 2.0 else plain(x)))
+        axis.xaxis.set_major_locator(FixedLocator([(left * right) ** 0.5, *decades[::step]]))
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: "0" if x < right else plain(x)))
         axis.xaxis.set_minor_locator(NullLocator())
         axis.yaxis.set_minor_formatter(NullFormatter())
         axis.yaxis.set_major_formatter(FuncFormatter(plain))
-        axis.axvspan(none / 2.0, one / 2.0, color="#F2F7F2", zorder=-1)
+        axis.axvspan(left, right, color="#F2F7F2", zorder=-1)
         axis.set_title(f"{kind} rays")
         axis.set_xlabel("wrong answers per million rays")
     speeds = [row["mrays_per_second"] for row in rows]
@@ -77,9 +81,9 @@ def pareto(results, scene, rows):
 
 
 def break_even(results, scenes):
-    """Build and trace together, against the number of rays."""
-    figure, axes = style.panels(len(scenes), 3, width=4.2, height=3.6)
-    counts = [10.0 ** (k / 8.0) for k in range(3 * 8, 10 * 8 + 1)]
+    """Build and trace together over those of the fastest, against the number of rays."""
+    figure, axes = style.panels(len(scenes), 3, width=4.4, height=3.6)
+    counts = [10.0 ** (k / 16.0) for k in range(3 * 16, 9 * 16 + 1)]
     for axis, (scene, rows) in zip(axes, scenes.items()):
         kind = "diffuse" if any(row["rays"] == "diffuse" for row in rows) else rows[0]["rays"]
         best = {}
@@ -87,33 +91,41 @@ def break_even(results, scenes):
             # One line an accelerator: its watertight test, or what it has.
             if row.get("intersector", "watertight") == "watertight" or row["accel"] not in best:
                 best[row["accel"]] = row
+        fastest = [min(seconds(row, n) for row in best.values()) for n in counts]
         for accel, row in best.items():
-            speed = 1e6 * row["mrays_per_second"]["median"]
-            axis.plot(counts, [row["build_seconds"] + n / speed for n in counts], color=style.color(accel),
+            axis.plot(counts, [seconds(row, n) / least for n, least in zip(counts, fastest)], color=style.color(accel),
                       label=style.variant(row))
-        for n, y, accel in lead_changes(best):
-            axis.plot(n, y, marker="o", color=style.color(accel), markersize=5)
-            axis.annotate(f"{accel} leads\nfrom {n:.1g} rays", (n, y), textcoords="offset points", xytext=(8, -16),
-                          fontsize=8, color=style.color(accel))
         axis.set_xscale("log")
         axis.set_yscale("log")
+        axis.set_ylim(0.9, max(axis.get_ylim()[1], 2.0))
+        axis.yaxis.set_major_formatter(FuncFormatter(plain))
+        axis.yaxis.set_major_locator(FixedLocator([m * 10.0**k for k in range(4) for m in (1, 1.5, 2, 3, 5)]))
+        axis.yaxis.set_minor_locator(NullLocator())
+        for n, accel in lead_changes(best):
+            axis.axvline(n, color=style.color(accel), linestyle=":", linewidth=1)
+            axis.annotate(f"{accel} leads from {float(f'{n:.2g}'):,.0f} rays", (n, 0.97), xycoords=("data", "axes fraction"), rotation=90,
+                          xytext=(3, 0), textcoords="offset points", fontsize=7, va="top", color=style.color(accel))
         axis.set_title(f"{scene}, {kind} rays")
         axis.set_xlabel("rays traced")
-    axes[0].set_ylabel("seconds: build + trace, one thread")
-    style.finish(figure, "Build against trace: how many rays pay for a better tree", results, ["rays"],
+    axes[0].set_ylabel("build + trace, over the fastest")
+    style.finish(figure, "Build against trace: how many rays pay for a better tree (one thread)", results, ["rays"],
                  style.legend_of(axes))
     return figure
 
 
+def seconds(row, rays):
+    """To build, and to trace so many rays."""
+    return row["build_seconds"] + rays / (1e6 * row["mrays_per_second"]["median"])
+
+
 def lead_changes(best):
-    """(rays, seconds, accelerator) where another accelerator becomes the fastest, from 1,000 rays on."""
+    """(rays, accelerator) where another accelerator becomes the fastest, from 1,000 rays on."""
     changes, leader = [], None
-    for k in range(3 * 200, 10 * 200):
+    for k in range(3 * 200, 9 * 200):
         n = 10.0 ** (k / 200.0)
-        totals = {a: r["build_seconds"] + n / (1e6 * r["mrays_per_second"]["median"]) for a, r in best.items()}
-        first = min(totals, key=totals.get)
+        first = min(best, key=lambda accel: seconds(best[accel], n))
         if leader is not None and first != leader:
-            changes.append((n, totals[first], first))
+            changes.append((n, first))
         leader = first
     return changes
 

@@ -13,11 +13,14 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+import needs_charts  # noqa: E402
 import page  # noqa: E402
 import rays_charts  # noqa: E402
+import render_charts  # noqa: E402
+import scale_charts  # noqa: E402
 import style  # noqa: E402
 
-SUITES = [rays_charts]
+SUITES = [rays_charts, render_charts, scale_charts, needs_charts]
 
 
 def main():
@@ -36,7 +39,7 @@ def main():
             for name, caption, figure in suite.charts(results):
                 style.save(figure, options.folder, name, options.png)
                 shown.append((name, caption))
-        page.write(options.folder, results, shown)
+        page.write(options.folder, results, shown, list(render_charts.pictures(results)), needs_charts.tables(results))
     except OSError as error:
         print(f"report.py: {error}", file=sys.stderr)
         return 4

@@ -47,12 +47,12 @@ def finish(figure, title, results, suites, legend=None, legend_columns=6):
     width, height = figure.get_size_inches()
     footer = footer_lines(results, suites, int(width * 17))
     legend_rows = -(-len(legend[0]) // legend_columns) if legend else 0
-    below = 0.16 * len(footer) + 0.1
+    below = 0.125 * len(footer) + 0.12
     legend_height = 0.22 * legend_rows + (0.12 if legend_rows else 0.0)
-    top = 0.4
+    top = 0.15 + 0.22 * len(textwrap.wrap(title, int(width * 10)))
     total = height + below + legend_height + top
     figure.set_size_inches(width, total)
-    figure.suptitle(title, x=0.5, y=1.0 - 0.08 / total, va="top", fontsize=13)
+    figure.suptitle("\n".join(textwrap.wrap(title, int(width * 10))), x=0.5, y=1.0 - 0.08 / total, va="top", fontsize=13).set_in_layout(False)
     figure.text(0.01, 0.06 / total, "\n".join(footer), fontsize=7, color="#555555", va="bottom")
     if legend:
         figure.legend(*legend, loc="lower center", bbox_to_anchor=(0.5, below / total), ncol=legend_columns,
