@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "raylab/core/parallel.hpp"
+#include "raylab/measure/batch_queries.hpp"
 
 namespace raylab::bench {
 
@@ -42,12 +43,19 @@ Judge::Judge(const Geometry& geometry) : geometry_(geometry), exact_(make_accele
 std::vector<Judgement> Judge::operator()(std::span<const Accelerator* const> accelerators, const RaySet& set,
                                          std::size_t count, Suite& suite) const {
   const std::vector<Ray> rays = evenly_spaced(set.rays, count);
+  // A scene's surfaces may be open elsewhere: a leak is judged by the surface right around the ray.
+  const auto judge = [&](const Accelerator& accelerator) {
+    const HitErrors errors = judge_hits(geometry_, accelerator, *exact_, rays, Surface::closed);
+    suite.check();
+    return Judgement{errors, count_wrong(geometry_, accelerator, *exact_, rays, errors)};
+  };
   std::vector<Judgement> judgements;
   for (const Accelerator* accelerator : accelerators) {
-    // A scene's surfaces may be open elsewhere: a leak is judged by the surface right around the ray.
-    const HitErrors errors = judge_hits(geometry_, *accelerator, *exact_, rays, Surface::closed);
-    judgements.push_back({errors, count_wrong(geometry_, *accelerator, *exact_, rays, errors)});
-    suite.check();
+    Judgement judgement = judge(*accelerator);
+    const BatchAnswers in_batches(*accelerator, rays);
+    judgement.batch_differences = in_batches.differences();
+    judgement.wrong_batch = in_batches.differences() == 0 ? judgement.wrong : judge(in_batches).wrong;
+    judgements.push_back(judgement);
   }
   return judgements;
 }
@@ -60,6 +68,8 @@ void add_fields(Row& row, const Judgement& j) {
   row["false_hits"] = e.false_hits.count;
   row["wrong_primitives"] = e.wrong_primitives.count;
   row["wrong"] = j.wrong;
+  row["batch_differences"] = j.batch_differences;
+  row["wrong_batch"] = j.wrong_batch;
   if (const std::string text = example(e); !text.empty()) row["example"] = text;
   row["t_error_ulp"] = {{"p50", e.t_error_ulp.p50}, {"p99", e.t_error_ulp.p99}, {"max", e.t_error_ulp.max}};
 }

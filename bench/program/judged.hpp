@@ -13,7 +13,9 @@ namespace raylab::bench {
 
 struct Judgement {
   HitErrors errors;
-  std::size_t wrong = 0;  ///< rays with any error: the kinds overlap
+  std::size_t wrong = 0;              ///< rays with any error: the kinds overlap
+  std::size_t batch_differences = 0;  ///< rays answered otherwise, be it by a bit, in a batch
+  std::size_t wrong_batch = 0;        ///< as `wrong`, of rays in batches
 };
 
 /// Knows the right answers for one geometry, which must outlive it.

@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "judged.hpp"
+#include "raylab/measure/batch_queries.hpp"
 #include "raylab/measure/path_rays.hpp"
 #include "raylab/measure/ray_timing.hpp"
 #include "suite.hpp"
@@ -37,11 +38,11 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
 
 std::string line_of(const Row& row) {
   const Row& speed = row["mrays_per_second"];
-  return format("%-12s %-8s %-26s %7.2f Mrays/s (%.2f to %.2f)  %s", row["scene"].get<std::string>().c_str(),
-                row["rays"].get<std::string>().c_str(),
+  return format("%-12s %-8s %-26s %7.2f Mrays/s (%.2f to %.2f), in batches %.2f; %s",
+                row["scene"].get<std::string>().c_str(), row["rays"].get<std::string>().c_str(),
                 (row["accel"].get<std::string>() + " " + row.value("intersector", "")).c_str(),
                 speed["median"].get<double>(), speed["min"].get<double>(), speed["max"].get<double>(),
-                judgement_text(row).c_str());
+                row["mrays_per_second_batch"]["median"].get<double>(), judgement_text(row).c_str());
 }
 
 /// All accelerators on one set of rays: timed in turns, then checked.
@@ -54,6 +55,10 @@ void measure(Suite& suite, const Scene& scene, const RaySet& set, const std::vec
     suite.check();
     return false;
   });
+  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, options.repeats, [&] {
+    suite.check();
+    return false;
+  });
   const std::vector<Judgement> judgements = judge(accelerators, set, options.checked, suite);
   std::vector<Row> rows;
   std::vector<std::string> lines;
@@ -62,6 +67,7 @@ void measure(Suite& suite, const Scene& scene, const RaySet& set, const std::vec
     add_fields(row, variants[i], scene.geometry, built[i]);
     row["mrays_per_second"] = mega_per_second(set.rays.size(), times[i].cpu);
     row["mrays_per_second_wall"] = mega_per_second(set.rays.size(), times[i].wall);
+    row["mrays_per_second_batch"] = mega_per_second(set.rays.size(), batch_times[i].cpu);
     row["rays_timed"] = set.rays.size();
     add_fields(row, judgements[i]);
     lines.push_back(line_of(row));

@@ -48,6 +48,13 @@ def pareto(results, scene, rows):
                           yerr=[[speed["median"] - speed["min"]], [speed["max"] - speed["median"]]],
                           color=style.color(row["accel"]), marker=style.MARKERS.get(row.get("intersector", ""), "D"),
                           markersize=7, linestyle="none", elinewidth=1, capsize=2, alpha=0.9, label=style.variant(row))
+            batch = row.get("mrays_per_second_batch")
+            if batch:
+                batch_x = 1e6 * row["wrong_batch"] / row["rays_checked"]
+                points.append((batch_x, batch["median"]))
+                axis.plot(batch_x or place[style.variant(row)], batch["median"], color=style.color(row["accel"]),
+                          marker=style.MARKERS.get(row.get("intersector", ""), "D"), markersize=7,
+                          markerfacecolor="none", linestyle="none")
         edge = front(points)
         if edge:
             xs, ys = zip(*edge)
@@ -66,7 +73,7 @@ def pareto(results, scene, rows):
         axis.axvspan(left, right, color="#F2F7F2", zorder=-1)
         axis.set_title(f"{kind} rays")
         axis.set_xlabel("wrong answers per million rays")
-    speeds = [row["mrays_per_second"] for row in rows]
+    speeds = [row[field] for row in rows for field in ("mrays_per_second", "mrays_per_second_batch") if field in row]
     low, high = min(s["min"] for s in speeds), max(s["max"] for s in speeds)
     for axis in axes:
         axis.set_ylim(low / 1.3, high * 1.3)
@@ -139,6 +146,6 @@ def charts(results):
     for scene, rows in scenes.items():
         yield (f"rays-{scene}", f"{scene}: what each accelerator and triangle test gives and what it costs. A wrong "
                "answer is a leak, a false miss, a false hit or a wrong primitive, against the exact answer. The dotted "
-               "line is the Pareto front; bars span all repeats.", pareto(results, scene, rows))
+               "line is the Pareto front; bars span all repeats; hollow: 512 rays side by side, as the renderer sends them.", pareto(results, scene, rows))
     if scenes:
         yield ("break-even", "Seconds to build and to trace so many rays.", break_even(results, scenes))

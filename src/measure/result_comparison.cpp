@@ -60,10 +60,11 @@ class Comparison {
       if (a && b) note(key, field, *a, *b, ranges_differ(*a, *b), down, up);
     };
     by_spread("mrays_per_second", Change::slower, Change::faster);
+    by_spread("mrays_per_second_batch", Change::slower, Change::faster);
     by_spread("build_seconds", Change::faster, Change::slower);
     by_spread("seconds", Change::faster, Change::slower);
     by_spread("bytes", Change::smaller, Change::larger);
-    for (const char* field : {"leaks", "false_misses", "false_hits", "wrong_primitives", "wrong"}) {
+    for (const char* field : {"leaks", "false_misses", "false_hits", "wrong_primitives", "wrong", "wrong_batch"}) {
       const auto a = rate_figure(before, field), b = rate_figure(after, field);
       if (a && b) note(key, field, *a, *b, a->value != b->value, Change::more_accurate, Change::less_accurate);
     }

@@ -1,0 +1,112 @@
+#include "raylab/measure/batch_queries.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "raylab/core/check.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/core/random.hpp"
+#include "raylab/core/timing.hpp"
+
+namespace raylab {
+
+namespace {
+
+/// Room for the answers to one batch.
+struct Answers {
+  std::array<float, BatchedRays::kMost> t, u, v;
+  std::array<std::uint32_t, BatchedRays::kMost> geometry, primitive;
+  std::array<std::uint8_t, BatchedRays::kMost> occluded;
+
+  HitBatch hits() { return {t.data(), u.data(), v.data(), geometry.data(), primitive.data()}; }
+};
+
+std::array<float, 8> components_of(const Ray& r) {
+  return {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.t_min, r.t_max};
+}
+
+}  // namespace
+
+BatchedRays::BatchedRays(std::span<const Ray> rays) {
+  for (const Ray& ray : rays) {
+    const auto values = components_of(ray);
+    for (std::size_t k = 0; k < values.size(); ++k) components_[k].push_back(values[k]);
+  }
+}
+
+RayBatch BatchedRays::batch(std::size_t index) const {
+  const std::size_t start = index * kMost;
+  const auto at = [&](std::size_t k) { return components_[k].data() + start; };
+  return {std::min(kMost, size() - start), {at(0), at(1), at(2)}, {at(3), at(4), at(5)}, at(6), at(7)};
+}
+
+std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators,
+                                           const BatchedRays& rays, Query query, int repeats,
+                                           const std::function<bool()>& stopped) {
+  std::vector<QueryTimes> times(accelerators.size());
+  const FlushDenormals flush;
+  Answers answers;
+  for (int repeat = -1; repeat < repeats; ++repeat) {
+    for (std::size_t i = 0; i < accelerators.size(); ++i) {
+      if (stopped && stopped()) return times;
+      const CpuStopwatch cpu(CpuClock::thread);
+      const Stopwatch wall;
+      for (std::size_t b = 0; b < rays.batches(); ++b) {
+        if (query == Query::occluded) {
+          accelerators[i]->occluded_batch(rays.batch(b), answers.occluded.data());
+        } else {
+          accelerators[i]->intersect_batch(rays.batch(b), answers.hits());
+        }
+      }
+      if (repeat < 0) continue;
+      times[i].cpu.push_back(cpu.seconds());
+      times[i].wall.push_back(wall.seconds());
+    }
+  }
+  return times;
+}
+
+std::size_t BatchAnswers::Hash::operator()(const Ray& ray) const {
+  std::uint64_t h = 0;
+  for (const float x : components_of(ray)) h = mix_bits(h ^ std::bit_cast<std::uint32_t>(x));
+  return h;
+}
+
+bool BatchAnswers::Equal::operator()(const Ray& a, const Ray& b) const {
+  return components_of(a) == components_of(b);
+}
+
+BatchAnswers::BatchAnswers(const Accelerator& accelerator, std::span<const Ray> rays) : accelerator_(accelerator) {
+  const FlushDenormals flush;
+  const BatchedRays batched(rays);
+  Answers answers;
+  for (std::size_t b = 0; b < batched.batches(); ++b) {
+    const RayBatch batch = batched.batch(b);
+    accelerator.intersect_batch(batch, answers.hits());
+    accelerator.occluded_batch(batch, answers.occluded.data());
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      Answer answer;
+      if (answers.geometry[i] != HitBatch::kNoHit) {
+        answer.hit = Hit{answers.t[i], answers.u[i], answers.v[i], answers.geometry[i], answers.primitive[i]};
+      }
+      answer.occluded = answers.occluded[i] != 0;
+      const Ray& ray = rays[b * BatchedRays::kMost + i];
+      if (accelerator.intersect(ray) != answer.hit || accelerator.occluded(ray) != answer.occluded) ++differences_;
+      answers_.emplace(ray, answer);
+    }
+  }
+}
+
+std::optional<Hit> BatchAnswers::intersect(const Ray& ray) const noexcept {
+  const auto found = answers_.find(ray);
+  RAYLAB_CHECK(found != answers_.end());
+  return found->second.hit;
+}
+
+bool BatchAnswers::occluded(const Ray& ray) const noexcept {
+  const auto found = answers_.find(ray);
+  RAYLAB_CHECK(found != answers_.end());
+  return found->second.occluded;
+}
+
+}  // namespace raylab
