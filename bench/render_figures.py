@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Measures whole renders: speed beside error, the runs to compare interleaved in one go.
+"""Measures whole renders as raylab-render makes them: on threads, without what a scene does not need, at full size.
+Samplers, accelerators and peers against each other are the business of `raylab-bench render`.
 
-    bench/render_figures.py threads samplers needs accels peers dragon --out bench/results
+    bench/render_figures.py threads needs dragon --out bench/results
 
 Each suite writes DIR/render-SUITE.json and the same as a table, DIR/render-SUITE.md. Times are medians over --repeats runs;
 ratios are medians of the ratios of neighbouring runs, so that a machine whose speed drifts does not show.
@@ -14,12 +15,10 @@ import platform
 import re
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-REFERENCE_SPP = 8192
 
 
 class Bench:
@@ -29,10 +28,7 @@ class Bench:
         self.render_program = options.build / "raylab-render"
         self.image_program = options.build / "raylab-image"
         self.repeats = options.repeats
-        self.peer_python = options.peer_python
         self.scratch = pathlib.Path(tempfile.mkdtemp(prefix="raylab-bench-"))
-        self.cache = options.cache or self.scratch
-        self.cache.mkdir(parents=True, exist_ok=True)
 
     def render(self, scene, output=None, **settings):
         """One run of raylab-render; its statistics, with the seconds of the whole process."""
@@ -52,14 +48,6 @@ class Bench:
         result = subprocess.run([self.image_program, "compare", "--json", picture, reference],
                                 check=True, capture_output=True, text=True)
         return json.loads(result.stdout)
-
-    def reference(self, scene, spp=REFERENCE_SPP, **settings):
-        """A picture with another seed and many samples, made once and kept in the cache."""
-        name = "-".join([scene, str(spp), *(f"{k}{v}" for k, v in settings.items())]).replace("/", "_")
-        file = self.cache / f"reference-{name}.exr"
-        if not file.exists():
-            self.render(scene, output=file, spp=spp, seed=4711, **settings)
-        return file
 
     def interleaved(self, variants, scene):
         """Runs each of the named settings in turn, --repeats times; the rows of each."""
@@ -87,32 +75,6 @@ def threads(bench):
         table.append([scene, rows["one"][0]["accel"], f"{median(rows['one'], 'seconds'):.3f}",
                       f"{median(rows['two'], 'seconds'):.3f}", f"{ratio(rows['one'], rows['two'], 'seconds'):.3f}",
                       f"{rows['two'][0]['estimated_relmse']:.4f}"])
-    return table
-
-
-def samplers(bench):
-    """Owen-scrambled Sobol against independent samples, error and time of each."""
-    table = [["scene", "spp", "relMSE independent", "relMSE sobol", "s independent", "s sobol",
-              "error ratio at equal spp", "at equal time"]]
-    for scene in ["cornell", "one-weekend", "globe", "forest"]:
-        size = {"width": 64}
-        reference = bench.reference(scene, **size)
-        for spp in [16, 64, 256]:
-            rows = bench.interleaved({kind: {"sampler": kind, "spp": spp, **size}
-                                      for kind in ["independent", "sobol"]}, scene)
-            errors = {}
-            for kind in rows:
-                picture = bench.scratch / f"{kind}.exr"
-                errors[kind] = []
-                for seed in range(1, 4):
-                    bench.render(scene, output=picture, sampler=kind, spp=spp, seed=seed, **size)
-                    errors[kind].append(bench.compare(picture, reference)["relmse"])
-            independent, sobol = (statistics.mean(errors[k]) for k in ["independent", "sobol"])
-            slower = ratio(rows["sobol"], rows["independent"], "seconds")
-            # Independent samples halve their error with twice the time: a slower sampler pays in proportion.
-            table.append([scene, spp, f"{independent:.5f}", f"{sobol:.5f}",
-                          f"{median(rows['independent'], 'seconds'):.3f}", f"{median(rows['sobol'], 'seconds'):.3f}",
-                          f"{independent / sobol:.2f}", f"{independent / (sobol * slower):.2f}"])
     return table
 
 
@@ -144,60 +106,6 @@ def needs(bench):
     return table
 
 
-def accels(bench):
-    """Every accelerator's picture against that of testing every primitive, at equal seed."""
-    listing = subprocess.run([bench.render_program, "--list-accels"], check=True, capture_output=True, text=True)
-    names = [line.split()[0] for line in listing.stdout.splitlines()]
-    table = [["scene", "accel", "s", "Mrays/s", "pixels that differ from list", "relMSE against list", "mean ratio"]]
-    for scene, settings in {"cornell": {"width": 200, "spp": 16}, "one-weekend": {"width": 192, "spp": 4},
-                            "mirror-room": {"width": 100, "spp": 4}, "globe": {"width": 40, "spp": 1},
-                            "bunny": {"width": 80, "spp": 2}, "forest": {"width": 24, "spp": 1}}.items():
-        pictures = {}
-        for name in ["list"] + [n for n in names if n != "list"]:
-            pictures[name] = bench.scratch / f"{name}.exr"
-            row = bench.render(scene, output=pictures[name], accel=name, **settings)
-            error = bench.compare(pictures[name], pictures["list"])
-            table.append([scene, name, f"{row['seconds']:.3f}", f"{row['mrays_per_second']:.2f}",
-                          f"{error['different_pixels']} of {error['pixels']}", f"{error['relmse']:.2g}",
-                          f"{error['mean_ratio']:.6f} ± {error['mean_ratio_error']:.2g}"])
-    return table
-
-
-def peers(bench):
-    """cornell beside Mitsuba 3: paths per second at 400², error at 64 samples and the mean of the picture at 100²."""
-    ours = "Raylab"
-    variants = {ours: None, "Mitsuba 3": [], "Mitsuba 3, lights one-sided (another picture)": ["--one-sided-lights"]}
-    reference = bench.reference("cornell", width=100)
-    picture, peer_json = bench.scratch / "peer.exr", bench.scratch / "peer.json"
-
-    def run(extra, width, seed):
-        if extra is None:
-            return bench.render("cornell", output=picture, seed=seed, spp=64, width=width)
-        subprocess.run([bench.peer_python, ROOT / "bench/peers/mitsuba_render.py", ROOT / "scenes/cornell.toml",
-                        "--width", str(width), "--spp", "64", "--repeats", "1", "--threads", "2", "--seed", str(seed),
-                        "-o", picture, "--json", peer_json, *extra], check=True, stdout=subprocess.DEVNULL)
-        row = json.loads(peer_json.read_text())
-        return {"seconds": row["seconds"]["median"], "mpaths_per_second": row["mpaths_per_second"],
-                "accel": row["variant"]}
-
-    rows = {name: [] for name in variants}
-    for seed in range(1, bench.repeats + 1):
-        for name, extra in variants.items():
-            row = run(extra, 400, seed)
-            run(extra, 100, seed)
-            rows[name].append({**row, **bench.compare(picture, reference)})
-    table = [["renderer", "s", "Mpaths/s", "relMSE at 64 spp", "mean ratio to our reference",
-              "Raylab's Mpaths/s over it", "Raylab's relMSE over it"]]
-    for name, group in rows.items():
-        table.append([f"{name}, {group[0]['accel']}", f"{median(group, 'seconds'):.3f}",
-                      f"{median(group, 'mpaths_per_second'):.3f}", f"{median(group, 'relmse'):.4f}",
-                      f"{statistics.mean(r['mean_ratio'] for r in group):.4f} ± "
-                      f"{median(group, 'mean_ratio_error') / len(group) ** 0.5:.1g}",
-                      f"{ratio(rows[ours], group, 'mpaths_per_second'):.3f}",
-                      f"{ratio(rows[ours], group, 'relmse'):.3f}"])
-    return table
-
-
 def dragon(bench):
     """The dragon at its full size, whole process."""
     table = [["accel", "whole process, s", "loading, s", "building, s", "rendering, s", "Mpaths/s",
@@ -212,7 +120,7 @@ def dragon(bench):
     return table
 
 
-SUITES = {f.__name__: f for f in [threads, samplers, needs, accels, peers, dragon]}
+SUITES = {f.__name__: f for f in [threads, needs, dragon]}
 
 
 def machine():
@@ -232,9 +140,7 @@ def main():
     parser.add_argument("suites", nargs="+", choices=SUITES, metavar="SUITE", help=", ".join(SUITES))
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "bench/results")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the programs")
-    parser.add_argument("--cache", type=pathlib.Path, help="keep reference pictures here")
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--peer-python", default=sys.executable, help="a Python that has the package mitsuba")
     options = parser.parse_args()
     options.build = options.build.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
