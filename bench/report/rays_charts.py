@@ -81,6 +81,8 @@ def pareto(results, scene, rows):
         axis.yaxis.set_major_locator(FixedLocator(ticks))
         axis.yaxis.set_minor_locator(NullLocator())
     axes[0].set_ylabel("million rays per second, one thread")
+    axes[0].plot([], [], color="#555555", marker="o", markerfacecolor="none", linestyle="none",
+                 label="hollow: 512 rays side by side")
     checked = max(row["rays_checked"] for row in rows)
     style.finish(figure, f"{scene}: speed against accuracy of single rays (up and to the left is better; "
                  f"{checked:,} rays of each kind checked)", results, ["rays"], style.legend_of(axes))
@@ -146,6 +148,7 @@ def charts(results):
     for scene, rows in scenes.items():
         yield (f"rays-{scene}", f"{scene}: what each accelerator and triangle test gives and what it costs. A wrong "
                "answer is a leak, a false miss, a false hit or a wrong primitive, against the exact answer. The dotted "
-               "line is the Pareto front; bars span all repeats; hollow: 512 rays side by side, as the renderer sends them.", pareto(results, scene, rows))
+               "line is the Pareto front; bars span all repeats; hollow: 512 rays side by side, as the renderer sends "
+               "them.", pareto(results, scene, rows))
     if scenes:
         yield ("break-even", "Seconds to build and to trace so many rays.", break_even(results, scenes))
