@@ -1,13 +1,38 @@
 #include "judged.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/batch_queries.hpp"
+#include "raylab/measure/ray_key.hpp"
 
 namespace raylab::bench {
 
 namespace {
+
+/// Answers of the judge to some rays, found once: there are many accelerators to judge by them, and it is slow.
+class Remembered final : public Accelerator {
+ public:
+  Remembered(const Accelerator& judge, std::span<const Ray> rays) : judge_(judge) {
+    std::vector<std::optional<Hit>> hits(rays.size());
+    parallel_for(rays.size(), [&](std::size_t i) { hits[i] = judge.intersect(rays[i]); });
+    for (std::size_t i = 0; i < rays.size(); ++i) hits_.emplace(rays[i], hits[i]);
+  }
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+    const auto found = hits_.find(ray);
+    return found != hits_.end() ? found->second : judge_.intersect(ray);
+  }
+  bool occluded(const Ray& ray) const noexcept override {
+    const auto found = hits_.find(ray);
+    return found != hits_.end() ? found->second.has_value() : judge_.occluded(ray);
+  }
+  const BuildReport& build_report() const noexcept override { return judge_.build_report(); }
+
+ private:
+  const Accelerator& judge_;
+  std::unordered_map<Ray, std::optional<Hit>, RayHash, RayEqual> hits_;
+};
 
 /// The first error of a judgement, with its floats exact, so that it can be made again.
 std::string example(const HitErrors& e) {
@@ -28,7 +53,9 @@ std::size_t count_errors(const HitErrors& e) {
 /// Rays with at least one error.
 std::size_t count_wrong(const Geometry& geometry, const Accelerator& judged, const Accelerator& exact,
                         std::span<const Ray> rays, const HitErrors& errors) {
-  if (errors.leaks.count == 0) return count_errors(errors);  // the other kinds exclude one another
+  // The other kinds exclude one another.
+  const std::size_t others = count_errors(errors) - errors.leaks.count;
+  if (errors.leaks.count == 0 || others == 0) return count_errors(errors);
   std::vector<char> wrong(rays.size());
   parallel_for(rays.size(), [&](std::size_t i) {
     wrong[i] = count_errors(judge_hits(geometry, judged, exact, rays.subspan(i, 1), Surface::closed)) > 0;
@@ -43,11 +70,12 @@ Judge::Judge(const Geometry& geometry) : geometry_(geometry), exact_(make_accele
 std::vector<Judgement> Judge::operator()(std::span<const Accelerator* const> accelerators, const RaySet& set,
                                          std::size_t count, Suite& suite) const {
   const std::vector<Ray> rays = evenly_spaced(set.rays, count);
+  const Remembered exact(*exact_, rays);
   // A scene's surfaces may be open elsewhere: a leak is judged by the surface right around the ray.
   const auto judge = [&](const Accelerator& accelerator) {
-    const HitErrors errors = judge_hits(geometry_, accelerator, *exact_, rays, Surface::closed);
+    const HitErrors errors = judge_hits(geometry_, accelerator, exact, rays, Surface::closed);
     suite.check();
-    return Judgement{errors, count_wrong(geometry_, accelerator, *exact_, rays, errors)};
+    return Judgement{errors, count_wrong(geometry_, accelerator, exact, rays, errors)};
   };
   std::vector<Judgement> judgements;
   for (const Accelerator* accelerator : accelerators) {

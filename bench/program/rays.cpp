@@ -36,6 +36,22 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
   return to_row(spread_of(speeds));
 }
 
+/// Repeats that give each accelerator a twentieth of a second, and no fewer than asked for: on small scenes a pass
+/// takes so little that the machine's moods would show.
+int enough_repeats(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays, Query query,
+                   int least) {
+  constexpr double kSeconds = 0.05;
+  constexpr int kMost = 100;
+  constexpr std::size_t kShare = 8;
+  const std::span<const Ray> some = rays.first(std::max<std::size_t>(1, rays.size() / kShare));
+  double fastest = kSeconds;
+  for (const QueryTimes& times : time_queries(accelerators, some, query, 1)) {
+    fastest =
+        std::min(fastest, times.cpu.front() * static_cast<double>(rays.size()) / static_cast<double>(some.size()));
+  }
+  return std::max(least, std::min(kMost, static_cast<int>(kSeconds / fastest)));
+}
+
 std::string line_of(const Row& row) {
   const Row& speed = row["mrays_per_second"];
   return format("%-12s %-8s %-26s %7.2f Mrays/s (%.2f to %.2f), in batches %.2f; %s",
@@ -51,11 +67,12 @@ void measure(Suite& suite, const Scene& scene, const RaySet& set, const std::vec
   std::vector<const Accelerator*> accelerators;
   for (const Built& b : built) accelerators.push_back(b.accelerator.get());
   const Query query = set.kind == RayKind::shadow ? Query::occluded : Query::intersect;
-  const auto times = time_queries(accelerators, set.rays, query, options.repeats, [&] {
+  const int repeats = enough_repeats(accelerators, set.rays, query, options.repeats);
+  const auto times = time_queries(accelerators, set.rays, query, repeats, [&] {
     suite.check();
     return false;
   });
-  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, options.repeats, [&] {
+  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, repeats, [&] {
     suite.check();
     return false;
   });
@@ -69,6 +86,7 @@ void measure(Suite& suite, const Scene& scene, const RaySet& set, const std::vec
     row["mrays_per_second_wall"] = mega_per_second(set.rays.size(), times[i].wall);
     row["mrays_per_second_batch"] = mega_per_second(set.rays.size(), batch_times[i].cpu);
     row["rays_timed"] = set.rays.size();
+    row["runs"] = times[i].cpu.size();
     add_fields(row, judgements[i]);
     lines.push_back(line_of(row));
     rows.push_back(std::move(row));

@@ -1,11 +1,9 @@
 #include "raylab/measure/batch_queries.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
-#include "raylab/core/random.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
@@ -20,10 +18,6 @@ struct Answers {
 
   HitBatch hits() { return {t.data(), u.data(), v.data(), geometry.data(), primitive.data()}; }
 };
-
-std::array<float, 8> components_of(const Ray& r) {
-  return {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.t_min, r.t_max};
-}
 
 }  // namespace
 
@@ -64,16 +58,6 @@ std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> a
     }
   }
   return times;
-}
-
-std::size_t BatchAnswers::Hash::operator()(const Ray& ray) const {
-  std::uint64_t h = 0;
-  for (const float x : components_of(ray)) h = mix_bits(h ^ std::bit_cast<std::uint32_t>(x));
-  return h;
-}
-
-bool BatchAnswers::Equal::operator()(const Ray& a, const Ray& b) const {
-  return components_of(a) == components_of(b);
 }
 
 BatchAnswers::BatchAnswers(const Accelerator& accelerator, std::span<const Ray> rays) : accelerator_(accelerator) {

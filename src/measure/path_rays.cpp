@@ -1,12 +1,11 @@
 #include "raylab/measure/path_rays.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <unordered_set>
 
 #include "raylab/core/parallel.hpp"
-#include "raylab/core/random.hpp"
+#include "raylab/measure/ray_key.hpp"
 #include "raylab/measure/ray_sets.hpp"
 
 namespace raylab {
@@ -33,17 +32,6 @@ class Recorder final : public Accelerator {
  private:
   const Accelerator& accelerator_;
 };
-
-bool same(const Ray& a, const Ray& b) { return a.origin == b.origin && a.direction == b.direction; }
-
-std::size_t hash_of(const Ray& ray) {
-  std::uint64_t h = 0;
-  for (const float x :
-       {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z}) {
-    h = mix_bits(h ^ std::bit_cast<std::uint32_t>(x));
-  }
-  return h;
-}
 
 struct Edge {
   vec3 a, b;
@@ -115,8 +103,7 @@ std::vector<RaySet> path_ray_sets(const Scene& scene, const Accelerator& acceler
   const auto from_paths = [&] {
     // Paths of one segment are camera rays alone: what else a longer path asks for continues it.
     std::vector<Ray> primary = record(1).closest;
-    const std::unordered_set<Ray, decltype(&hash_of), decltype(&same)> from_camera(primary.begin(), primary.end(),
-                                                                                   0, &hash_of, &same);
+    const std::unordered_set<Ray, RayHash, RayEqual> from_camera(primary.begin(), primary.end());
     Recorder all = record(settings.max_depth);
     std::erase_if(all.closest, [&](const Ray& ray) { return from_camera.count(ray) > 0; });
     return std::vector<RaySet>{{RayKind::primary, std::move(primary)},

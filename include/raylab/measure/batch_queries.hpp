@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "raylab/accel/accelerator.hpp"
+#include "raylab/measure/ray_key.hpp"
 #include "raylab/measure/ray_timing.hpp"
 
 namespace raylab {
@@ -48,15 +49,8 @@ class BatchAnswers final : public Accelerator {
     std::optional<Hit> hit;
     bool occluded = false;
   };
-  struct Hash {
-    std::size_t operator()(const Ray& ray) const;
-  };
-  struct Equal {
-    bool operator()(const Ray& a, const Ray& b) const;
-  };
-
   const Accelerator& accelerator_;
-  std::unordered_map<Ray, Answer, Hash, Equal> answers_;
+  std::unordered_map<Ray, Answer, RayHash, RayEqual> answers_;
   std::size_t differences_ = 0;
 };
 
