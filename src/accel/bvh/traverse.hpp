@@ -348,5 +348,71 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
   }
 }
 
+/// A query that is taken forward item by item, so that several can take turns: while one works the items of the others
+/// are on their way from memory, which is what a ray in a large tree mostly waits for.
+template <class NodeVector, Intersector kind, bool any_hit>
+class Flight {
+ public:
+  static constexpr int width = NodeVector::lanes;
+
+  Flight(const TreeView& tree, const KernelRay& ray)
+      : tree_(tree), ray_(ray), box_test_(ray_), block_test_(ray_), limit_(ray.limit), ref_(tree.root) {
+    distances_[0] = -1.0f;
+    refs_[0] = make_ref(RefKind::end, 0);
+  }
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  const KernelHit& best() const { return best_; }
+
+  /// Visits one item and asks for the next. False when there is none, or the answer is known.
+  bool step() {
+    if (ref_kind(ref_) == RefKind::node) {
+      const auto& node = *static_cast<const Node<width>*>(item_address(tree_, ref_));
+      NodeVector near, far;
+      box_test_(node, NodeVector::splat(limit_), near, far);
+      const int count = push_ordered(near, far, node.child, node.order[box_test_.octant()], distances_ + top_ + 1,
+                                     refs_ + top_ + 1, ref_);
+      if (count != 0) {
+        top_ += count - 1;
+        prefetch(tree_, ref_);
+        return true;
+      }
+    } else if (ref_kind(ref_) == RefKind::triangles) {
+      const auto& block = *static_cast<const TriangleBlock*>(item_address(tree_, ref_));
+      for (std::uint32_t found = block_test_.find(block, limit_); found != 0; found &= found - 1) {
+        KernelHit hit;
+        if (!block_test_.decide(block, __builtin_ctz(found), limit_, hit)) continue;
+        take(hit, tree_, best_, limit_);
+        if (any_hit) return false;
+      }
+    } else {
+      float t;
+      const std::uint32_t place = ref_index(ref_);
+      if (hit_sphere<kind>(tree_.context, place, ray_, limit_, t)) {
+        take({t, 0.0f, 0.0f, place}, tree_, best_, limit_);
+        if (any_hit) return false;
+      }
+    }
+    while (distances_[top_] > limit_) --top_;
+    ref_ = refs_[top_--];
+    if (ref_kind(ref_) == RefKind::end) return false;
+    prefetch(tree_, ref_);
+    return true;
+  }
+
+ private:
+  const TreeView& tree_;
+  KernelRay ray_;
+  BoxTest<NodeVector> box_test_;
+  BlockTest<kind> block_test_;
+  KernelHit best_{-1.0f, 0.0f, 0.0f, kNoPrimitive};
+  float limit_;
+  Ref ref_;
+  int top_ = 0;
+  alignas(64) float distances_[stack_size(width)];
+  alignas(64) Ref refs_[stack_size(width)];
+};
+
 }  // namespace
 }  // namespace raylab::bvh

@@ -2,15 +2,18 @@
 // Several rays at once, one in each lane of a vector: a node's box, or a triangle, is loaded and prepared once for all
 // of them. Included after traverse.hpp, and as local to the including file.
 // Lane by lane the operations on triangles are those of BlockTest, so the hits are the same bit for bit.
+#include <new>
+#include <type_traits>
+
 #include "raylab/core/wide.hpp"
 #include "traverse.hpp"
 
 namespace raylab::bvh {
 namespace {
 
-/// Where no more rays of a packet than this go into a subtree, they go one by one: a vector with few lanes in use
+/// Where no more rays of a packet than this go into a subtree, they go alone: a vector with few lanes in use
 /// costs as much as a full one (Benthin, Wald, Woop, Ernst and Mark 2012, "Combining Single and Packet-Ray Tracing").
-constexpr int kFewRays = kLanes / 4;
+constexpr int kFewRays = kLanes / 2;
 
 /// kx, ky, kz of BlockTest for each lane, without its swap for directions down the z axis: that turns all three edge
 /// functions around, which changes no answer.
@@ -244,7 +247,7 @@ class Packet {
       const std::uint32_t bits = active.bits();
       if (bits == 0) continue;
       if (ref_kind(ref) != RefKind::sphere && __builtin_popcount(bits) <= kFewRays) {
-        for (std::uint32_t left = bits; left != 0; left &= left - 1) one_by_one<any_hit>(ref, __builtin_ctz(left));
+        in_turns<any_hit>(ref, bits);
       } else if (ref_kind(ref) == RefKind::node) {
         top = push_children(*static_cast<const Node<width>*>(item_address(tree_, ref)), active, top);
       } else if (ref_kind(ref) == RefKind::triangles) {
@@ -321,19 +324,35 @@ class Packet {
     accept<any_hit>(hit, t, Wide(0.0f), Wide(0.0f), place);
   }
 
+  /// A subtree for the few rays that go there.
   template <bool any_hit>
-  void one_by_one(Ref ref, int i) {
-    best_t_.store(limits_);
+  void in_turns(Ref ref, std::uint32_t lanes) {
+    using OneRay = Flight<NodeVector, kind, any_hit>;
+    static_assert(std::is_trivially_destructible_v<OneRay>);
+    alignas(OneRay) unsigned char room[kFewRays][sizeof(OneRay)];
+    OneRay* flights[kFewRays];
+    int lane_of[kFewRays];
+    int flying = 0;
     const TreeView subtree{tree_.items, ref, tree_.context};
-    if constexpr (any_hit) {
-      if (bvh::occluded<NodeVector, kind>(subtree, ray(i))) done_ = done_ | WideMask::of(1u << i);
-    } else {
-      const KernelHit hit = bvh::intersect<NodeVector, kind>(subtree, ray(i));
-      if (hit.place != kNoPrimitive) {
-        take(i, hit);
-        best_t_ = Wide::load(limits_);
+    best_t_.store(limits_);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      lane_of[flying] = __builtin_ctz(lanes);
+      flights[flying] = new (room[flying]) OneRay(subtree, ray(lane_of[flying]));
+      ++flying;
+    }
+    while (flying != 0) {
+      for (int i = 0; i < flying;) {
+        if (flights[i]->step()) {
+          ++i;
+          continue;
+        }
+        if (flights[i]->best().place != kNoPrimitive) take(lane_of[i], flights[i]->best());
+        --flying;
+        flights[i] = flights[flying];
+        lane_of[i] = lane_of[flying];
       }
     }
+    best_t_ = Wide::load(limits_);
   }
 
   /// Makes the hits of some lanes, none of them farther than the best one, the best. Of equally near ones the smallest
