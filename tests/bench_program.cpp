@@ -95,6 +95,10 @@ TEST_CASE("raylab-bench render tells the error of each way against one reference
     CHECK(fs::exists(folder / row["picture"].get<std::string>()));
     if (row["accel"] == "bvh") CHECK(row["different_pixels"] == 0);
   }
+  // Nor is one that cannot be run.
+  std::vector<std::string> with_peer = arguments;
+  with_peer.insert(with_peer.end(), {"--peer-python", "/bin/false"});
+  CHECK(raylab_bench(with_peer).err.find("Mitsuba 3 left out: /bin/false cannot run it") != std::string::npos);
   // The reference is made once: the second run finds it.
   const auto reference_time = [&] { return fs::last_write_time(*fs::directory_iterator(folder / "references")); };
   const auto before = reference_time();

@@ -40,6 +40,9 @@ def main():
                 style.save(figure, options.folder, name, options.png)
                 shown.append((name, caption))
         page.write(options.folder, results, shown, list(render_charts.pictures(results)), needs_charts.tables(results))
+    except KeyError as error:
+        print(f"report.py: {options.folder / 'results.json'}: a row lacks the field {error}", file=sys.stderr)
+        return 3
     except OSError as error:
         print(f"report.py: {error}", file=sys.stderr)
         return 4
