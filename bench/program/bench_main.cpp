@@ -17,13 +17,13 @@ namespace {
 
 using namespace bench;
 
-void add_common(CLI::App& command, CommonOptions& options) {
+/// `unnamed` says what is measured when no accelerator and no triangle test is named.
+void add_common(CLI::App& command, CommonOptions& options, const std::string& unnamed) {
   command
       .add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
       ->capture_default_str();
-  command.add_option("--accel", options.accels, "Accelerators, comma separated (default: all but exact)")
-      ->delimiter(',');
-  command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated (default: all)")
+  command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)->delimiter(',');
+  command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated " + unnamed)
       ->delimiter(',');
   command.add_option("--repeats", options.repeats, "Repeats of each measurement")
       ->check(CLI::Range(1, 1000))
@@ -34,7 +34,7 @@ void add_common(CLI::App& command, CommonOptions& options) {
 CLI::App* add_rays(CLI::App& app, RaysOptions& options) {
   CLI::App* command = app.add_subcommand("rays", "Speed and accuracy of single rays, one thread");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options);
+  add_common(*command, options, "(default: all but exact)");
   command->add_option("--rays", options.rays, "Rays of each kind that are timed")
       ->check(CLI::Range(1, 1 << 26))
       ->capture_default_str();
@@ -66,7 +66,7 @@ void add_pictures(CLI::App& command, Options& options) {
 CLI::App* add_needs(CLI::App& app, NeedsOptions& options) {
   CLI::App* command = app.add_subcommand("needs", "How little a scene can be rendered with for a given error");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options);
+  add_common(*command, options, "(default: all but exact)");
   command->add_option("--spp", options.spp, "Samples per pixel of the measurements that choose")
       ->check(CLI::Range(2, 1 << 20))
       ->capture_default_str();
@@ -75,12 +75,17 @@ CLI::App* add_needs(CLI::App& app, NeedsOptions& options) {
 }
 
 CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
-  CLI::App* command = app.add_subcommand("render", "Whole pictures: error against time");
+  CLI::App* command = app.add_subcommand("render",
+                                         "Whole pictures: error against time. Ways to render are all combinations "
+                                         "of what is named; by default the usual "
+                                         "one (bvh, path, sobol), and those that differ from it in one thing");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options);
-  command->add_option("--integrator", options.integrators, "Integrators, comma separated")->delimiter(',');
-  command->add_option("--sampler", options.samplers, "Samplers, comma separated")->delimiter(',');
-  command->add_option("--spp", options.spp, "Samples per pixel, comma separated, rising")
+  add_common(*command, options, "(default: those of the usual ways)");
+  command->add_option("--integrator", options.integrators, "Integrators, comma separated: path, book")
+      ->delimiter(',');
+  command->add_option("--sampler", options.samplers, "Samplers, comma separated: sobol, independent")
+      ->delimiter(',');
+  command->add_option("--spp", options.spp, "Samples per pixel, comma separated")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -95,7 +100,7 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
 CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
   CLI::App* command =
       app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
-  add_common(*command, options);
+  add_common(*command, options, "(default: each accelerator as it is, but list and exact)");
   command
       ->add_option("--family", options.families,
                    "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")

@@ -23,7 +23,7 @@ struct RaysOptions : CommonOptions {
 
 struct RenderSuiteOptions : CommonOptions {
   std::vector<std::string> integrators, samplers;
-  std::vector<int> spp{4, 16, 64};  ///< rising
+  std::vector<int> spp{4, 16, 64};
   int width = 128;
   int threads = 0;
   int reference_spp = 1024;

@@ -24,7 +24,9 @@ struct Way {
 /// All combinations of what was asked for; by default the usual way, and those that differ from it in one thing.
 std::vector<Way> ways_of(const RenderSuiteOptions& options) {
   std::vector<Way> ways;
-  if (options.accels.empty() && options.integrators.empty() && options.samplers.empty()) {
+  const bool nothing_named = options.accels.empty() && options.intersectors.empty() &&
+                             options.integrators.empty() && options.samplers.empty();
+  if (nothing_named) {
     for (const char* accel : {"bvh", "rtiow", "embree", "embree-robust"}) ways.push_back({{accel, ""}});
     ways.push_back({{"bvh", ""}, "book", "sobol"});
     ways.push_back({{"bvh", ""}, "path", "independent"});
@@ -233,7 +235,9 @@ void compare_pictures(Suite& suite, const Stage& stage, const std::vector<Way>& 
 
 }  // namespace
 
-int render(const RenderSuiteOptions& options) {
+int render(const RenderSuiteOptions& given) {
+  RenderSuiteOptions options = given;
+  std::sort(options.spp.begin(), options.spp.end());
   const std::vector<Way> ways = ways_of(options);
   for (const Way& way : ways) {
     (void)parse_integrator(way.integrator);
