@@ -1,0 +1,34 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "raylab/scene/camera.hpp"
+
+namespace raylab {
+
+/// The text of a scene file with this camera in it: only the numbers that differ change, and every other byte
+/// stays. A key the file lacks is added after the last of the camera's. Numbers are the shortest that read back
+/// as the same float. `file` is for messages. Throws Error (input) where the text is no scene file's, and Error
+/// (failure) where a camera written in an unheard-of way cannot be changed in place.
+std::string with_camera(std::string_view text, const std::string& file, const CameraSettings& camera);
+
+/// Writes a camera back to its scene file.
+class CameraFile {
+ public:
+  /// Remembers what the file holds now. Throws Error (input).
+  explicit CameraFile(std::filesystem::path file);
+
+  /// Replaces the file by with_camera() of it, whole or not at all. Returns whether that changed anything. A file
+  /// that no longer holds what was remembered is left alone: throws Error (output), and remembers what it holds
+  /// now, so that asking a second time means it. Throws Error (output) too when it cannot be written.
+  bool write(const CameraSettings& camera);
+
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+  std::string text_;
+};
+
+}  // namespace raylab

@@ -1,0 +1,183 @@
+#include "raylab/io/camera_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include "file_bytes.hpp"
+#include "message_text.hpp"
+#include "raylab/core/atomic_file.hpp"
+#include "raylab/core/error.hpp"
+#include "scene_sections.hpp"
+#include "toml_value.hpp"
+
+namespace raylab {
+namespace {
+
+/// Bytes [at, at + length) of the text give way to `text`.
+struct Edit {
+  std::size_t at;
+  std::size_t length;
+  std::string text;
+};
+
+bool is_continuation_byte(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
+/// Offset of a "file:line:column" in the text. Columns count characters, not bytes.
+std::size_t offset_of(std::string_view text, const std::string& place) {
+  const std::size_t column_colon = place.rfind(':');
+  const std::size_t line_colon = place.rfind(':', column_colon - 1);
+  int line = 1, column = 1;
+  std::from_chars(place.data() + line_colon + 1, place.data() + column_colon, line);
+  std::from_chars(place.data() + column_colon + 1, place.data() + place.size(), column);
+  std::size_t at = 0;
+  for (; line > 1; --line) at = text.find('\n', at) + 1;
+  for (; column > 1 && at < text.size(); --column) {
+    do ++at;
+    while (at < text.size() && is_continuation_byte(text[at]));
+  }
+  return at;
+}
+
+std::size_t number_end(std::string_view text, std::size_t at) {
+  return std::min(text.find_first_of(" \t\r\n,]}#", at), text.size());
+}
+
+/// One past the value that starts at `at`: a number, or an array of numbers, which may hold comments.
+std::size_t value_end(std::string_view text, std::size_t at) {
+  if (text[at] != '[') return number_end(text, at);
+  while (at < text.size() && text[at] != ']') {
+    at = text[at] == '#' ? std::min(text.find('\n', at), text.size()) : at + 1;
+  }
+  return std::min(at + 1, text.size());
+}
+
+std::size_t line_end(std::string_view text, std::size_t at) {
+  const std::size_t end = std::min(text.find('\n', at), text.size());
+  return end > at && text[end - 1] == '\r' ? end - 1 : end;
+}
+
+/// Scene files are read as double and then rounded to float, which for a few shortest floats is another float.
+std::string exact_text(float value) {
+  std::string text = number_text(value);
+  double read = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), read);
+  return static_cast<float>(read) == value ? text : number_text(static_cast<double>(value));
+}
+
+struct CameraKey {
+  const char* name;
+  std::vector<float> now;  ///< as the file says, or by default
+  std::vector<float> next;
+
+  std::string value() const {
+    if (next.size() == 1) return exact_text(next[0]);
+    std::string text = "[";
+    for (const float number : next) text.append(text.size() > 1 ? ", " : "").append(exact_text(number));
+    return text.append("]");
+  }
+};
+
+std::vector<float> numbers_of(const vec3& v) { return {v.x, v.y, v.z}; }
+
+std::vector<CameraKey> camera_keys(const CameraSettings& now, const CameraSettings& next) {
+  return {{"look_from", numbers_of(now.look_from), numbers_of(next.look_from)},
+          {"look_at", numbers_of(now.look_at), numbers_of(next.look_at)},
+          {"up", numbers_of(now.up), numbers_of(next.up)},
+          {"vfov", {now.vfov}, {next.vfov}},
+          {"defocus_angle", {now.defocus_angle}, {next.defocus_angle}},
+          {"focus_distance", {now.focus_distance}, {next.focus_distance}}};
+}
+
+/// Where the keys the file lacks go, and how they are written there.
+Edit addition(std::string_view text, const TomlValue* table, const std::vector<CameraKey>& missing) {
+  const std::string newline = text.find("\r\n") != std::string_view::npos ? "\r\n" : "\n";
+  std::string lines;
+  if (table == nullptr) {
+    for (const CameraKey& key : missing) lines += std::string(key.name) + " = " + key.value() + newline;
+    const bool ended = text.empty() || text.back() == '\n';
+    return {text.size(), 0, (ended ? "" : newline) + newline + "[camera]" + newline + lines};
+  }
+  const std::size_t start = offset_of(text, table->place);
+  const bool is_inline = text[start] == '{';
+  std::size_t at = start + 1;
+  for (const TomlValue& value : table->items) at = std::max(at, value_end(text, offset_of(text, value.place)));
+  if (is_inline) {
+    std::string separator = table->items.empty() ? " " : ", ";
+    for (const CameraKey& key : missing) {
+      lines += separator + key.name + " = " + key.value();
+      separator = ", ";
+    }
+    return {at, 0, lines};
+  }
+  const std::string prefix = text[start] == '[' ? "" : "camera.";
+  for (const CameraKey& key : missing) lines += newline + prefix + key.name + " = " + key.value();
+  return {line_end(text, at), 0, lines};
+}
+
+bool same(const CameraSettings& a, const CameraSettings& b) {
+  for (const CameraKey& key : camera_keys(a, b)) {
+    if (key.now != key.next) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string with_camera(std::string_view text, const std::string& file, const CameraSettings& camera) {
+  const TomlValue root = parse_toml(text, file);
+  const TomlValue* table = root.find("camera");
+  std::vector<Edit> edits;
+  std::vector<CameraKey> missing;
+  for (const CameraKey& key : camera_keys(read_camera(table), camera)) {
+    if (key.now == key.next) continue;
+    const TomlValue* value = table == nullptr ? nullptr : table->find(key.name);
+    if (value == nullptr) {
+      missing.push_back(key);
+      continue;
+    }
+    for (std::size_t i = 0; i < key.next.size(); ++i) {
+      if (key.now[i] == key.next[i]) continue;
+      const std::size_t at = offset_of(text, value->is_array() ? value->items[i].place : value->place);
+      edits.push_back({at, number_end(text, at) - at, exact_text(key.next[i])});
+    }
+  }
+  if (!missing.empty()) edits.push_back(addition(text, table, missing));
+  // From the back, so that earlier offsets stay right.
+  std::stable_sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.at > b.at; });
+  std::string changed(text);
+  for (const Edit& edit : edits) changed.replace(edit.at, edit.length, edit.text);
+
+  // The text was edited by place, not written anew: what it now means is checked before anyone relies on it.
+  const auto fail = [&] {
+    throw Error(ErrorKind::failure, table == nullptr ? file : table->place,
+                "this way of writing a camera cannot be changed in place");
+  };
+  try {
+    const TomlValue read_back = parse_toml(changed, file);
+    if (!same(read_camera(read_back.find("camera")), camera)) fail();
+  } catch (const Error& e) {
+    if (e.kind() == ErrorKind::failure) throw;
+    fail();
+  }
+  return changed;
+}
+
+CameraFile::CameraFile(std::filesystem::path file) : file_(std::move(file)), text_(read_file(file_)) {}
+
+bool CameraFile::write(const CameraSettings& camera) {
+  std::string now = read_file(file_);
+  if (now != text_) {
+    text_ = std::move(now);
+    throw Error(ErrorKind::output, file_.string(), "changed since it was read, so it was left alone");
+  }
+  std::string next = with_camera(text_, file_.string(), camera);
+  if (next == text_) return false;
+  AtomicFile out(file_);
+  out.stream() << next;
+  out.commit();
+  text_ = std::move(next);
+  return true;
+}
+
+}  // namespace raylab
