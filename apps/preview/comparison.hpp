@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/image/image.hpp"
+#include "raylab/scene/camera.hpp"
+
+namespace raylab {
+
+/// How the camera rays of a picture, one through the middle of each pixel, fare in two accelerators.
+struct Disagreement {
+  Image picture;  ///< linear: dark grey where both say the same, else the colours of `legend`
+  std::uint64_t rays = 0;
+  std::uint64_t presence = 0;   ///< one hits and the other does not: red
+  std::uint64_t distance = 0;   ///< t differs by more than 8 ulp: orange
+  std::uint64_t primitive = 0;  ///< t agrees, the primitive does not: yellow
+  std::uint64_t last_bits = 0;  ///< t, u or v differ otherwise: blue
+
+  std::string text() const;  ///< one line
+};
+
+Disagreement disagreement(const Accelerator& a, const Accelerator& b, const CameraSettings& camera, int width,
+                          int height);
+
+}  // namespace raylab

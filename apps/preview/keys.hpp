@@ -1,0 +1,64 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace raylab {
+
+/// Keys that mean something, without the window system's numbers for them.
+enum class Key : std::uint8_t {
+  w,
+  a,
+  s,
+  d,
+  q,
+  e,
+  r,
+  f,
+  v,
+  c,
+  b,
+  m,
+  h,
+  p,
+  space,
+  tab,
+  enter,
+  escape,
+  home,
+  up,
+  down,
+  left_bracket,
+  right_bracket,
+  shift,
+  control,
+  digit1,
+  digit2,
+  digit3,
+  digit4,
+  digit5,
+  digit6,
+  digit7,
+  digit8,
+  digit9,
+  count,
+};
+inline constexpr int kKeyCount = static_cast<int>(Key::count);
+
+/// "w", "space", "[", "1": as scripts and the help write it. Any case.
+std::optional<Key> parse_key(std::string_view name);
+std::string_view key_name(Key key);
+
+/// One line of the help.
+struct KeyHelp {
+  const char* keys;
+  const char* what;
+};
+std::span<const KeyHelp> key_help();
+
+/// The help as plain text, for --help.
+std::string key_help_text();
+
+}  // namespace raylab

@@ -1,0 +1,225 @@
+#include "live_render.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+
+#include "raylab/core/parallel.hpp"
+
+namespace raylab {
+
+namespace {
+
+constexpr double kPollSeconds = 0.005;
+constexpr double kFirstPictureSeconds = 0.1;
+// A snapshot copies the film and rounds every sum: it may take up to this share of the time.
+constexpr double kSnapshotShare = 0.1;
+constexpr int kCoarsest = 32;
+// Small units of work end soon after they are asked to: 16 x 16 pixels at one sample are one batch of paths, some
+// milliseconds. The accelerators that test every primitive take far longer for the same.
+constexpr int kTile = 16;
+constexpr int kSlowTile = 2;
+constexpr std::uint32_t kPassSamples = 1;
+
+bool is_slow(const std::string& accel) { return accel == "list" || accel == "exact"; }
+
+RenderOptions for_live(RenderOptions options, const std::string& accel) {
+  options.tile_size = is_slow(accel) ? kSlowTile : kTile;
+  options.pass_samples = kPassSamples;
+  return options;
+}
+
+int coarse_size(int size, int coarseness) { return (size + coarseness - 1) / coarseness; }
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_srgb(const Image& image) {
+  std::vector<std::uint8_t> bytes(image.pixels.size() * 3);
+  const auto width = static_cast<std::size_t>(image.width);
+  parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        bytes[3 * i + static_cast<std::size_t>(c)] =
+            static_cast<std::uint8_t>(255.0f * linear_to_srgb(image.pixels[i][c]) + 0.5f);
+      }
+    }
+  });
+  return bytes;
+}
+
+LiveRender::LiveRender(Scene& scene, AcceleratorShelf& shelf, std::mutex& camera_lock)
+    : scene_(scene), shelf_(shelf), camera_lock_(camera_lock), thread_([this] { work(); }) {}
+
+LiveRender::~LiveRender() {
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+    ++number_;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+std::uint64_t LiveRender::ask(const TraceRequest& request) {
+  const std::lock_guard lock(mutex_);
+  wanted_ = request;
+  failure_.clear();
+  since_request_ = Stopwatch();
+  changed_.notify_all();
+  return ++number_;
+}
+
+void LiveRender::rest() {
+  const std::lock_guard lock(mutex_);
+  if (!wanted_) return;
+  wanted_.reset();
+  since_request_ = Stopwatch();
+  ++number_;
+  changed_.notify_all();
+}
+
+std::shared_ptr<const TracedPicture> LiveRender::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+std::string LiveRender::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+double LiveRender::longest_stop_seconds() const {
+  const std::lock_guard lock(mutex_);
+  return longest_stop_;
+}
+
+bool LiveRender::outdated(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  return number_ != number;
+}
+
+bool LiveRender::wait_outdated(std::uint64_t number, double seconds) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return number_ != number; });
+}
+
+void LiveRender::publish(TracedPicture picture) {
+  picture.srgb = encode_srgb(picture.image);
+  auto made = std::make_shared<const TracedPicture>(std::move(picture));
+  const std::lock_guard lock(mutex_);
+  latest_ = std::move(made);
+}
+
+void LiveRender::note_stop() {
+  const std::lock_guard lock(mutex_);
+  longest_stop_ = std::max(longest_stop_, since_request_.seconds());
+}
+
+void LiveRender::work() {
+  std::unique_lock lock(mutex_);
+  std::uint64_t served = 0;
+  while (!quit_) {
+    if (!wanted_ || number_ == served) {
+      changed_.wait(lock);
+      continue;
+    }
+    const TraceRequest request = *wanted_;
+    served = number_;
+    lock.unlock();
+    std::string failure;
+    try {
+      serve(request, served);
+    } catch (const std::exception& e) {
+      failure = e.what();
+    }
+    lock.lock();
+    if (number_ == served) failure_ = failure;
+  }
+}
+
+void LiveRender::serve(const TraceRequest& request, std::uint64_t number) {
+  const Accelerator& accelerator = shelf_.get(request.accel);
+  if (outdated(number)) return;
+  const Image coarse = trace_coarse(request, accelerator, number);
+  if (!outdated(number)) trace_all(request, accelerator, number, coarse);
+}
+
+std::unique_ptr<RenderSession> LiveRender::session(const TraceRequest& request, const Accelerator& accelerator,
+                                                   const RenderOptions& options) {
+  const std::lock_guard lock(camera_lock_);
+  scene_.camera = request.camera;
+  return std::make_unique<RenderSession>(scene_, accelerator, options);  // copies the camera
+}
+
+Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number) {
+  RenderOptions options = for_live(request.options, request.accel);
+  options.width = coarse_size(request.options.width, coarseness_);
+  options.height = coarse_size(request.options.height, coarseness_);
+  options.crop.reset();
+  options.samples_per_pixel = 1;
+  const Stopwatch watch;
+  const auto coarse = session(request, accelerator, options);
+  coarse->start();
+  while (!coarse->wait_for(kPollSeconds)) {
+    if (watch.seconds() > 2.0 * kCoarseSeconds && outdated(number)) coarse->request_stop();
+  }
+  coarse->stop();
+  const double seconds = std::max(watch.seconds(), 1e-4);
+  // Half a picture taken in twice the time is worth nothing, but its time is: the next one is coarser.
+  const double per_pixel = seconds / (std::max(coarse->progress(), 1e-3) * options.width * options.height);
+  const double pixels = static_cast<double>(request.options.width) * request.options.height;
+  coarseness_ =
+      std::clamp(static_cast<int>(std::ceil(std::sqrt(pixels * per_pixel / kCoarseSeconds))), 1, kCoarsest);
+
+  TracedPicture picture;
+  picture.request = number;
+  picture.image = coarse->snapshot().image();
+  picture.stats = coarse->stats();
+  picture.seconds = seconds;
+  picture.estimated_relmse = kInfinity;
+  Image image = picture.image;
+  if (coarse->finished()) publish(std::move(picture));
+  if (outdated(number)) note_stop();
+  return image;
+}
+
+void LiveRender::trace_all(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number,
+                           const Image& coarse) {
+  const Stopwatch watch;
+  const auto all = session(request, accelerator, for_live(request.options, request.accel));
+  all->start();
+  double next = kFirstPictureSeconds;
+  for (bool ended = false; !ended;) {
+    while (!ended && watch.seconds() < next) {
+      if (wait_outdated(number, kPollSeconds)) {
+        all->stop();
+        note_stop();
+        return;
+      }
+      ended = all->wait_for(0.0);
+    }
+    const Stopwatch snapshot_watch;
+    TracedPicture picture;
+    picture.request = number;
+    picture.stats = all->stats();
+    picture.seconds = watch.seconds();
+    const Film film = all->snapshot();
+    picture.image = film.image();
+    picture.samples = 0xffffffffu;
+    for (int y = 0; y < film.height(); ++y) {
+      for (int x = 0; x < film.width(); ++x) {
+        const std::uint32_t samples = film.samples(x, y);
+        picture.samples = std::min(picture.samples, samples);
+        if (samples != 0) continue;
+        picture.image.at(x, y) = coarse.at(x * coarse.width / film.width(), y * coarse.height / film.height());
+      }
+    }
+    picture.complete = ended && all->finished();
+    picture.estimated_relmse = film.estimated_relmse();
+    publish(std::move(picture));
+    next = watch.seconds() + snapshot_watch.seconds() / kSnapshotShare;
+  }
+}
+
+}  // namespace raylab

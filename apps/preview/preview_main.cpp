@@ -1,0 +1,44 @@
+#include "preview_main.hpp"
+
+#include <cstdio>
+#include <exception>
+
+#include "preview.hpp"
+#include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/image/image_file.hpp"
+
+namespace raylab {
+
+namespace {
+
+int preview(const PreviewCommand& command) {
+  (void)parse_integrator(command.integrator);
+  (void)parse_sampler(command.sampler);
+  if (!command.screenshot.empty()) check_writable_image(command.screenshot);
+  const WindowSystem windows;  // first: where there is no display, the scene need not be loaded
+  const ThreadLimit limit(command.threads);
+  LoadedScene loaded = load_scene(command.scene, {command.overrides, false});
+  for (const std::string& warning : loaded.warnings)
+    std::fprintf(stderr, "raylab-preview: warning: %s\n", warning.c_str());
+  Preview(command, loaded).run();
+  return 0;
+}
+
+}  // namespace
+
+int preview_main(int argc, char** argv) {
+  try {
+    int exit_code = 0;
+    const auto command = parse_preview_command(argc, argv, exit_code);
+    return command ? preview(*command) : exit_code;
+  } catch (const Error& e) {
+    std::fprintf(stderr, "raylab-preview: %s\n", e.what());
+    return e.exit_code();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "raylab-preview: %s\n", e.what());
+  }
+  return static_cast<int>(ErrorKind::failure);
+}
+
+}  // namespace raylab

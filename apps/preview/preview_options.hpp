@@ -1,0 +1,38 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raylab/render/render_session.hpp"
+#include "raylab/scene/scene.hpp"
+
+namespace raylab {
+
+/// The command line of raylab-preview.
+struct PreviewCommand {
+  std::string scene;
+  std::string accel = "bvh";
+  std::string integrator = "path";
+  std::string sampler = "sobol";
+  std::string view = "raster";
+  std::optional<int> spp, width, height, max_depth;
+  std::uint32_t seed = 0;
+  int threads = 0;
+  std::vector<std::string> overrides;
+  std::string script;
+  std::optional<int> frames;
+  std::string screenshot;
+  bool hud = true;
+
+  /// Whether it runs by itself: no one is there to wait for, and frames follow each other by a fixed time.
+  bool headless() const { return !script.empty() || frames || !screenshot.empty(); }
+};
+
+/// Parses argv. Returns nothing when there is nothing left to do (--help, --version), with the exit code set.
+std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& exit_code);
+
+/// What raylab-render would do with the same options, at the size the window starts with: the scene's own, made
+/// smaller in proportion where it would not fit a screen. Throws Error (usage).
+RenderOptions preview_render_options(const PreviewCommand& command, const Scene& scene);
+
+}  // namespace raylab

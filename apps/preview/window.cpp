@@ -1,0 +1,194 @@
+#include "window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+
+namespace {
+
+constexpr double kClickPixels = 4.0;  // a button that comes up within this distance was a click
+
+std::string last_glfw_error() {
+  const char* description = nullptr;
+  glfwGetError(&description);
+  return description == nullptr ? "unknown error" : description;
+}
+
+std::optional<Key> key_of(int key) {
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
+    return static_cast<Key>(static_cast<int>(Key::digit1) + (key - GLFW_KEY_1));
+  }
+  switch (key) {
+    case GLFW_KEY_W:
+      return Key::w;
+    case GLFW_KEY_A:
+      return Key::a;
+    case GLFW_KEY_S:
+      return Key::s;
+    case GLFW_KEY_D:
+      return Key::d;
+    case GLFW_KEY_Q:
+      return Key::q;
+    case GLFW_KEY_E:
+      return Key::e;
+    case GLFW_KEY_R:
+      return Key::r;
+    case GLFW_KEY_F:
+      return Key::f;
+    case GLFW_KEY_V:
+      return Key::v;
+    case GLFW_KEY_C:
+      return Key::c;
+    case GLFW_KEY_B:
+      return Key::b;
+    case GLFW_KEY_M:
+      return Key::m;
+    case GLFW_KEY_H:
+      return Key::h;
+    case GLFW_KEY_P:
+      return Key::p;
+    case GLFW_KEY_SPACE:
+      return Key::space;
+    case GLFW_KEY_TAB:
+      return Key::tab;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::enter;
+    case GLFW_KEY_ESCAPE:
+      return Key::escape;
+    case GLFW_KEY_HOME:
+      return Key::home;
+    case GLFW_KEY_UP:
+      return Key::up;
+    case GLFW_KEY_DOWN:
+      return Key::down;
+    case GLFW_KEY_LEFT_BRACKET:
+      return Key::left_bracket;
+    case GLFW_KEY_RIGHT_BRACKET:
+      return Key::right_bracket;
+    case GLFW_KEY_LEFT_SHIFT:
+    case GLFW_KEY_RIGHT_SHIFT:
+      return Key::shift;
+    case GLFW_KEY_LEFT_CONTROL:
+    case GLFW_KEY_RIGHT_CONTROL:
+      return Key::control;
+    default:
+      return std::nullopt;
+  }
+}
+
+Window& window_of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+
+bool hud_has_mouse() { return ImGui::GetCurrentContext() != nullptr && ImGui::GetIO().WantCaptureMouse; }
+
+}  // namespace
+
+WindowSystem::WindowSystem() {
+  if (glfwInit() != GLFW_TRUE)
+    throw Error(ErrorKind::failure, "", "there is no display (" + last_glfw_error() + ")");
+}
+
+WindowSystem::~WindowSystem() { glfwTerminate(); }
+
+Window::Window(const std::string& title, int width, int height, bool vsync, Explorer& explorer)
+    : explorer_(explorer) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (window_ == nullptr) {
+    throw Error(ErrorKind::failure, "", "no window with OpenGL 3.3 could be opened (" + last_glfw_error() + ")");
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(vsync ? 1 : 0);
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_,
+                     [](GLFWwindow* w, int key, int, int action, int) { window_of(w).on_key(key, action); });
+  glfwSetMouseButtonCallback(
+      window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
+    if (!hud_has_mouse()) window_of(w).explorer_.scroll(y);
+  });
+  // Keys that come up while another window has the keyboard are never heard of.
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
+    if (focused == GLFW_FALSE) window_of(w).explorer_.release_keys();
+  });
+}
+
+Window::~Window() { glfwDestroyWindow(window_); }
+
+void Window::on_key(int key, int action) {
+  const std::optional<Key> known = key_of(key);
+  if (!known) return;
+  if (action == GLFW_PRESS) explorer_.key_down(*known);
+  if (action == GLFW_RELEASE) explorer_.key_up(*known);
+}
+
+void Window::on_button(int button, int action) {
+  if (action == GLFW_PRESS) {
+    if (hud_has_mouse()) return;
+    if (++looking_ == 1) dragged_ = 0.0;
+    return;
+  }
+  if (looking_ == 0) return;
+  --looking_;
+  if (button == GLFW_MOUSE_BUTTON_LEFT && dragged_ < kClickPixels && !captured_) explorer_.click(x_, y_);
+}
+
+void Window::on_move(double x, double y) {
+  // The cursor counts in the window's units, the explorer in pixels.
+  int width = 1, height = 1, units_x = 1, units_y = 1;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glfwGetWindowSize(window_, &units_x, &units_y);
+  if (units_x > 0 && units_y > 0) {
+    x *= static_cast<double>(width) / units_x;
+    y *= static_cast<double>(height) / units_y;
+  }
+  const double dx = x - x_, dy = y - y_;
+  x_ = x;
+  y_ = y;
+  explorer_.point(x, y);
+  if (looking_ > 0 || captured_) explorer_.drag(dx, dy);
+  dragged_ += std::abs(dx) + std::abs(dy);
+}
+
+void Window::update_capture() {
+  if (explorer_.captures_mouse() == captured_) return;
+  captured_ = !captured_;
+  glfwSetInputMode(window_, GLFW_CURSOR, captured_ ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+  // The pointer's place jumps with the mode; that is no movement.
+  glfwGetCursorPos(window_, &x_, &y_);
+}
+
+void Window::poll(double wait_seconds) {
+  if (wait_seconds > 0.0)
+    glfwWaitEventsTimeout(wait_seconds);
+  else
+    glfwPollEvents();
+  update_capture();
+}
+
+void Window::swap() { glfwSwapBuffers(window_); }
+
+void Window::size(int& width, int& height) const {
+  glfwGetFramebufferSize(window_, &width, &height);
+  if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE) width = height = 0;
+}
+
+void Window::resize(int width, int height) { glfwSetWindowSize(window_, width, height); }
+void Window::minimise() { glfwIconifyWindow(window_); }
+void Window::restore() { glfwRestoreWindow(window_); }
+void Window::ask_to_close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+bool Window::closing() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
+
+}  // namespace raylab

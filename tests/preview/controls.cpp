@@ -1,0 +1,228 @@
+// Keys, scripts and what they do, without a window.
+#include "../catch.hpp"
+#include "../expect_error.hpp"
+#include "../temp_folder.hpp"
+#include "explorer.hpp"
+#include "raster_geometry.hpp"
+#include "raylab/io/scene_file.hpp"
+#include "script.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+
+namespace {
+
+constexpr const char* kBall = R"([camera]
+look_from = [0, 0, 5]  # the eye
+look_at = [0, 0, 0]
+vfov = 40
+[material.red]
+type = "lambertian"
+albedo = [0.8, 0.1, 0.1]
+[[sphere]]
+center = [0, 0, 0]
+radius = 1
+material = "red"
+)";
+
+struct Ball : TempFolder {
+  LoadedScene loaded;
+  AcceleratorShelf shelf{loaded.scene.geometry};
+  std::optional<CameraFile> file;
+  std::optional<Explorer> explorer;
+
+  Ball() {
+    write_text(*this / "ball.toml", kBall);
+    loaded = load_scene(*this / "ball.toml");
+    file.emplace(*this / "ball.toml");
+    shelf.get("bvh");
+    explorer.emplace(loaded.scene, loaded.scene.camera, *file, shelf,
+                     std::vector<std::string>{"list", "bvh", "embree"}, "bvh");
+    explorer->resize(100, 100);
+  }
+  void press(Key key, double seconds = 0.0) {
+    explorer->key_down(key);
+    explorer->step(seconds);
+    explorer->key_up(key);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("every key has a name that reads back as the key", "[unit][preview]") {
+  for (int i = 0; i < kKeyCount; ++i) CHECK(parse_key(key_name(static_cast<Key>(i))) == static_cast<Key>(i));
+  CHECK(parse_key("Space") == Key::space);
+  CHECK_FALSE(parse_key("hyper"));
+}
+
+TEST_CASE("the keys move the camera the way they say", "[unit][preview]") {
+  struct Way {
+    Key key;
+    dvec3 way;
+  };
+  const Way w = GENERATE(Way{Key::w, {0, 0, -1}}, Way{Key::s, {0, 0, 1}}, Way{Key::a, {-1, 0, 0}},
+                         Way{Key::d, {1, 0, 0}}, Way{Key::space, {0, 1, 0}}, Way{Key::r, {0, 1, 0}},
+                         Way{Key::e, {0, -1, 0}}, Way{Key::q, {0, -1, 0}});
+  Ball ball;
+  ball.press(w.key, 0.5);
+  CHECK(ball.explorer->moved());
+  const dvec3 step = dvec3(ball.explorer->camera().look_from) - dvec3(0, 0, 5);
+  CHECK(glm::length(step - w.way * (0.5 * ball.explorer->speed())) < 1e-5);
+  ball.explorer->step(0.5);
+  CHECK_FALSE(ball.explorer->moved());
+}
+
+TEST_CASE("shift is fast, control slow, the wheel changes the speed, home goes back", "[unit][preview]") {
+  Ball ball;
+  const auto length_of_step = [&] {
+    const dvec3 before(ball.explorer->camera().look_from);
+    ball.press(Key::d, 0.1);
+    return glm::length(dvec3(ball.explorer->camera().look_from) - before);
+  };
+  const double plain = length_of_step();
+  ball.explorer->key_down(Key::shift);
+  CHECK(length_of_step() > 3.0 * plain);
+  ball.explorer->key_up(Key::shift);
+  ball.explorer->key_down(Key::control);
+  CHECK(length_of_step() < 0.3 * plain);
+  ball.explorer->key_up(Key::control);
+  ball.explorer->scroll(2.0);
+  CHECK(length_of_step() > 1.5 * plain);
+  ball.press(Key::home);
+  CHECK(ball.explorer->moved());
+  CHECK(ball.explorer->camera().look_from == vec3(0, 0, 5));
+}
+
+TEST_CASE("a click focuses on what is there, and Tab orbits around it", "[unit][preview]") {
+  Ball ball;
+  ball.explorer->click(50.0, 50.0);
+  CHECK(ball.explorer->camera().focus_distance == Approx(4.0f));
+  ball.explorer->click(1.0, 1.0);
+  CHECK(ball.explorer->camera().focus_distance == Approx(4.0f));
+  ball.explorer->point(50.0, 50.0);
+  ball.press(Key::tab);
+  REQUIRE(ball.explorer->pivot());
+  ball.explorer->drag(100.0, 0.0);
+  CHECK(glm::length(ball.explorer->viewpoint().position() - dvec3(0, 0, 1)) == Approx(4.0).epsilon(1e-5));
+  CHECK(ball.explorer->viewpoint().position().x < -1.0);  // the scene follows the mouse
+  ball.press(Key::tab);
+  CHECK_FALSE(ball.explorer->pivot());
+}
+
+TEST_CASE("focus, aperture, accelerators, views", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::up, 0.5);
+  CHECK(ball.explorer->camera().focus_distance > 11.0f);
+  ball.press(Key::down, 1.0);
+  CHECK(ball.explorer->camera().focus_distance < 9.0f);
+  ball.press(Key::right_bracket, 2.0);
+  CHECK(ball.explorer->camera().defocus_angle > 0.1f);
+  ball.press(Key::left_bracket, 20.0);
+  CHECK(ball.explorer->camera().defocus_angle == 0.0f);
+  CHECK(ball.explorer->accel() == "bvh");
+  CHECK(ball.explorer->other_accel() == "embree");
+  ball.press(Key::digit3);
+  CHECK(ball.explorer->accel() == "embree");
+  CHECK(ball.explorer->other_accel() == "bvh");
+  ball.press(Key::b);
+  CHECK(ball.explorer->other_accel() == "list");
+  ball.press(Key::digit9);
+  CHECK(ball.explorer->accel() == "embree");
+  ball.press(Key::v);
+  CHECK(ball.explorer->view() == View::traced);
+  ball.press(Key::v);
+  ball.press(Key::c);
+  CHECK(ball.explorer->view() == View::traced);
+  CHECK(ball.explorer->compare() == Compare::split);
+  ball.press(Key::escape);
+  CHECK(ball.explorer->leaves());
+  CHECK(read_text(ball / "ball.toml") == kBall);
+}
+
+TEST_CASE("Enter writes the camera, and says so when it may not", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::d, 0.5);
+  ball.press(Key::enter);
+  std::string expected = kBall;
+  const CameraSettings c = ball.explorer->camera();
+  CHECK(read_text(ball / "ball.toml") == with_camera(kBall, "", c));
+  CHECK(read_text(ball / "ball.toml").find("# the eye") != std::string::npos);
+  CHECK(load_scene(ball / "ball.toml").scene.camera.look_from == c.look_from);
+  write_text(ball / "ball.toml", kBall);
+  ball.press(Key::enter);
+  CHECK(ball.explorer->message().find("changed since") != std::string::npos);
+  CHECK(read_text(ball / "ball.toml") == kBall);
+}
+
+TEST_CASE("scripts are parsed line by line", "[unit][preview]") {
+  const auto steps = parse_script("# c\nkey W 3\n\n drag -10 2.5 # more\nscreenshot a.png\nwait still\n", "s");
+  REQUIRE(steps.size() == 6);
+  CHECK(steps[0].kind == ScriptStep::Kind::down);
+  CHECK(steps[0].key == Key::w);
+  CHECK(steps[1].count == 3);
+  CHECK(steps[2].kind == ScriptStep::Kind::up);
+  CHECK(steps[3].x == -10.0);
+  CHECK(steps[3].line == 4);
+  CHECK(steps[4].file == "a.png");
+  CHECK(steps[5].kind == ScriptStep::Kind::wait_still);
+  for (const char* bad : {"jump", "key hyper", "wait", "wait 0", "wait soon", "drag 1", "drag 1 x", "close now",
+                          "resize 0 10", "screenshot", "key w 1 2"}) {
+    INFO(bad);
+    expect_error(ErrorKind::input, "s:2", {}, [&] { parse_script(std::string("wait 1\n") + bad, "s"); });
+  }
+}
+
+TEST_CASE("a script's steps come in their frames", "[unit][preview]") {
+  ScriptRunner runner(parse_script("key w 2\nwait still\nscreenshot a\nclose", "s"));
+  using Kind = ScriptStep::Kind;
+  CHECK(runner.next(false)->kind == Kind::down);
+  CHECK(runner.next(false) == nullptr);
+  CHECK(runner.next(false) == nullptr);
+  CHECK(runner.next(true)->kind == Kind::up);
+  CHECK(runner.next(true) == nullptr);  // still, but of what was before
+  CHECK(runner.next(false) == nullptr);
+  CHECK(runner.next(true)->kind == Kind::screenshot);
+  CHECK(runner.next(true) == nullptr);  // the frame that is shot
+  CHECK_FALSE(runner.finished());
+  CHECK(runner.next(true)->kind == Kind::close);
+  CHECK(runner.finished());
+}
+
+TEST_CASE("while moving, large meshes are drawn with fewer triangles over the same surface", "[unit][preview]") {
+  Scene scene;
+  TriangleMesh grid;  // 100 x 100 squares of a bowl
+  constexpr std::uint32_t n = 100;
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x) {
+      const vec2 at(static_cast<float>(x) / n, static_cast<float>(y) / n);
+      grid.positions.emplace_back(at.x, at.y, at.x * at.x + at.y * at.y);
+    }
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t i = y * (n + 1) + x;
+      grid.triangles.emplace_back(i, i + 1, i + n + 2);
+      grid.triangles.emplace_back(i, i + n + 2, i + n + 1);
+    }
+  }
+  grid.triangles.emplace_back(0, 1, 99999999);  // invalid: left out
+  scene.geometry.meshes.push_back(grid);
+  scene.mesh_materials.resize(1);
+  const RasterGeometry full = raster_geometry(scene, 100000);
+  REQUIRE(full.full.size() == 1);
+  CHECK(full.full[0].count == 3 * 2 * n * n);
+  CHECK(full.coarse_triangles() == 2 * n * n);
+  const RasterGeometry few = raster_geometry(scene, 1000);
+  CHECK(few.full[0].count == 3 * 2 * n * n);
+  CHECK(few.coarse_triangles() > 300);
+  CHECK(few.coarse_triangles() < 3000);
+  double area = 0.0;
+  for (const RasterDraw& draw : few.coarse) {
+    for (std::uint32_t i = draw.first; i < draw.first + draw.count; i += 3) {
+      const auto p = [&](std::uint32_t k) { return few.vertices[few.indices[i + k]].position; };
+      area += 0.5 * glm::cross(p(1) - p(0), p(2) - p(0)).z;  // seen from above, signed
+    }
+  }
+  CHECK(area > 0.85);  // of the square: no holes, nothing twice
+  CHECK(area < 1.001);
+}

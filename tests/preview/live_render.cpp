@@ -1,0 +1,155 @@
+// Tracing behind a window: what it ends with, and how soon it stops.
+#include "live_render.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include "../catch.hpp"
+#include "comparison.hpp"
+#include "raylab/io/scene_file.hpp"
+
+using namespace raylab;
+
+namespace {
+
+struct Cornell {
+  LoadedScene loaded = load_scene(RAYLAB_SOURCE_DIR "/scenes/cornell.toml");
+  const CameraSettings camera = loaded.scene.camera;  // the scene's own changes with each request
+  AcceleratorShelf shelf{loaded.scene.geometry};
+  std::mutex camera_lock;
+
+  TraceRequest request(int size, std::uint32_t samples) const {
+    TraceRequest r;
+    r.camera = camera;
+    r.accel = "bvh";
+    r.options.width = r.options.height = size;
+    r.options.samples_per_pixel = samples;
+    return r;
+  }
+};
+
+template <class Condition>
+bool eventually(const Condition& condition) {
+  const Stopwatch watch;
+  while (watch.seconds() < 60.0) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("the still picture is that of a render session, bit for bit", "[unit][preview]") {
+  Cornell cornell;
+  TraceRequest request = cornell.request(60, 5);
+  request.options.height = 40;
+  request.camera.look_from.x += 10.0f;
+  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  live.ask(cornell.request(80, 1000));
+  const std::uint64_t number = live.ask(request);
+  REQUIRE(
+      eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
+  const auto picture = live.latest();
+  CHECK(picture->samples == 5);
+
+  Scene scene = load_scene(RAYLAB_SOURCE_DIR "/scenes/cornell.toml").scene;
+  scene.camera = request.camera;
+  const auto accelerator = make_accelerator("bvh", scene.geometry);
+  RenderSession session(scene, *accelerator, request.options);
+  session.run();
+  CHECK((picture->image.pixels == session.snapshot().image().pixels));
+}
+
+TEST_CASE("a coarse picture comes first, then one that has a sample in every pixel", "[unit][preview]") {
+  Cornell cornell;
+  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  live.ask(cornell.request(400, 1u << 20));
+  REQUIRE(eventually([&] { return live.latest() != nullptr; }));
+  CHECK(live.latest()->samples == 0);
+  CHECK(live.latest()->image.width < 400);
+  REQUIRE(eventually([&] { return live.latest()->samples > 0; }));
+  CHECK(live.latest()->image.width == 400);
+  CHECK_FALSE(live.latest()->complete);
+}
+
+TEST_CASE("asking again ends what is traced, and neither asking nor resting waits", "[unit][preview]") {
+  Cornell cornell;
+  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  double longest = 0.0;
+  for (int i = 0; i < 10; ++i) {
+    TraceRequest request = cornell.request(300, 1u << 20);
+    request.camera.look_from.x += static_cast<float>(i);
+    const Stopwatch watch;
+    const std::uint64_t number = live.ask(request);
+    longest = std::max(longest, watch.seconds());
+    REQUIRE(eventually([&] { return live.latest() && live.latest()->request == number; }));
+  }
+  const Stopwatch watch;
+  live.rest();
+  longest = std::max(longest, watch.seconds());
+  CHECK(longest < 0.02);
+  // Twice the 50 ms that is the aim on a machine that does nothing else.
+  INFO("longest stop " << 1e3 * live.longest_stop_seconds() << " ms");
+  CHECK(live.longest_stop_seconds() < 0.1);
+}
+
+TEST_CASE("tracing can end at any moment", "[unit][preview]") {
+  Cornell cornell;
+  for (int i = 0; i < 10; ++i) {
+    LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+    live.ask(cornell.request(200, 1u << 20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5 * i));
+  }
+}
+
+TEST_CASE("what goes wrong while tracing is said", "[unit][preview]") {
+  Cornell cornell;
+  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  TraceRequest request = cornell.request(10, 1);
+  request.camera.look_at = request.camera.look_from;
+  live.ask(request);
+  REQUIRE(eventually([&] { return !live.failure().empty(); }));
+  CHECK(live.failure().find("look_at") != std::string::npos);
+  const std::uint64_t number = live.ask(cornell.request(10, 1));
+  REQUIRE(
+      eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
+  CHECK(live.failure().empty());
+}
+
+TEST_CASE("two live renders share a scene", "[unit][preview]") {
+  Cornell cornell;
+  LiveRender a(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  LiveRender b(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  TraceRequest other = cornell.request(30, 2);
+  other.accel = "list";
+  other.camera.look_from.x += 50.0f;
+  a.ask(cornell.request(30, 2));
+  b.ask(other);
+  REQUIRE(eventually([&] { return a.latest() && a.latest()->complete && b.latest() && b.latest()->complete; }));
+  CHECK((a.latest()->image.pixels != b.latest()->image.pixels));
+  other.camera = cornell.camera;
+  const std::uint64_t number = b.ask(other);
+  REQUIRE(eventually([&] { return b.latest()->request == number && b.latest()->complete; }));
+  CHECK((a.latest()->image.pixels == b.latest()->image.pixels));
+}
+
+TEST_CASE("disagreement counts what two accelerators say of the camera rays", "[unit][preview]") {
+  struct Blind : Accelerator {  // misses everything
+    std::optional<Hit> intersect(const Ray&) const noexcept override { return std::nullopt; }
+    bool occluded(const Ray&) const noexcept override { return false; }
+    const BuildReport& build_report() const noexcept override { return report; }
+    BuildReport report;
+  };
+  Cornell cornell;
+  const Accelerator& bvh = cornell.shelf.get("bvh");
+  const CameraSettings& camera = cornell.camera;
+  const Disagreement none = disagreement(bvh, cornell.shelf.get("list"), camera, 50, 40);
+  CHECK(none.rays == 2000);
+  CHECK(none.presence + none.distance + none.primitive + none.last_bits == 0);
+  const Disagreement all = disagreement(bvh, Blind(), camera, 50, 50);
+  CHECK(all.presence > 2000);
+  CHECK(all.presence < 2500);  // the box does not fill the picture
+  CHECK(all.picture.at(25, 25) == Rgb(1.0f, 0.0f, 0.0f));
+  CHECK(all.picture.at(0, 0) == none.picture.at(0, 0));
+}
