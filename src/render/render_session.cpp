@@ -135,7 +135,6 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   std::array<std::uint32_t, PathBatch::kMost> pixel_of;  // in the tile
   BatchRadiance radiance;
   const auto trace = [&] {
-    if (paths.count == 0 || stop_.load(std::memory_order_relaxed)) return;
     integrator_.trace(paths, radiance, stats.rays);
     for (std::size_t i = 0; i < paths.count; ++i) {
       const int x = static_cast<int>(pixel_of[i]) % tile.width;
@@ -160,10 +159,13 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
     for (std::uint32_t s = first; s < first + count; ++s) {
       pixel_of[paths.count] = static_cast<std::uint32_t>(pixel);
       paths.add(x, y, seed, s);
-      if (paths.count == PathBatch::kMost) trace();
+      if (paths.count < PathBatch::kMost) continue;
+      trace();
+      if (stop_.load(std::memory_order_relaxed)) break;
     }
+    if (stop_.load(std::memory_order_relaxed)) break;
   }
-  trace();
+  if (paths.count != 0) trace();
   samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   film_.add(gathered, tile.x, tile.y);
