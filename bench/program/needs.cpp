@@ -52,7 +52,7 @@ class Study {
   void tell_energy(const Choice& choice, const Accelerator& accelerator) const;
   Choice choose_strategy(Choice choice, const Accelerator& accelerator) const;
   Built choose_accelerator(Choice& choice) const;
-  void tell_cheapest(Choice choice, const Built& built, const Cost& as_the_file_says) const;
+  void tell_cheapest(Choice choice, const Built& built, const Cost& first) const;
 
   Suite& suite_;
   const LoadedScene& loaded_;
@@ -247,15 +247,21 @@ Built Study::choose_accelerator(Choice& choice) const {
 void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) const {
   constexpr int kTries = 6;
   const double target = options_.target_error;
-  choice.spp = std::max(1, static_cast<int>(std::ceil(choice.spp * first.errors.relmse / target)));
+  // Beyond the samples of the reference, its own error is what would be measured.
+  const auto limited = [&](double spp) {
+    return std::clamp(static_cast<int>(std::ceil(spp)), 1, options_.reference_spp);
+  };
+  choice.spp = limited(choice.spp * first.errors.relmse / target);
   Cost cost;
   for (int i = 0;; ++i) {
     cost = measure(choice, *built.accelerator);
     // Two standard errors: right for this scene, and not only for these seeds.
     const double surely = cost.errors.relmse + 2.0 * (options_.repeats > 1 ? cost.errors.relmse_error : 0.0);
-    if (surely < target || i == kTries) break;
-    choice.spp = static_cast<int>(std::ceil(choice.spp * std::clamp(surely / target, 1.1, 2.0)));
+    if (surely < target || i == kTries || choice.spp == options_.reference_spp) break;
+    choice.spp = limited(choice.spp * std::clamp(surely / target, 1.1, 2.0));
   }
+  const bool kept = cost.errors.relmse < target;
+  if (!kept) suite_.note(scene_.name + ": the error was not kept; raise --reference-spp or --target-error");
   const std::string lines =
       format("[render]\nsamples_per_pixel = %d\nmax_depth = %d", choice.spp, choice.max_depth);
   std::string command = "raylab-render " + file_ + " --accel " + choice.variant.accel;
@@ -269,7 +275,7 @@ void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) 
   add_times(r, cost.seconds, work_of(options_for(choice, 0)));
   add_fields(r, cost.errors, reference_);
   r["allowed_relmse"] = target;
-  r["kept"] = cost.errors.relmse < target;
+  r["kept"] = kept;
   r["scene_file"] = lines;
   r["command"] = command;
   suite_.add({r}, {format("%-12s the cheapest found for relMSE %g at a width of %d: relMSE %.3g in %.3f s",
