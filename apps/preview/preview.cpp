@@ -16,7 +16,9 @@ namespace {
 
 constexpr double kScriptFrame = 1.0 / 60.0;  // seconds: what a script does must not depend on the machine
 constexpr double kIdleSeconds = 0.03;        // to wait for events where only a traced picture may change
-constexpr double kLongestStep = 0.1;         // seconds: a frame that took longer must not throw the camera far
+// A full raster picture may take a second, which must not come between two moves.
+constexpr double kRestSeconds = 0.25;
+constexpr double kLongestStep = 0.1;  // seconds: a frame that took longer must not throw the camera far
 
 std::vector<ScriptStep> read_script(const std::string& file) {
   if (file.empty()) return {};
@@ -96,7 +98,7 @@ void Preview::ask_for_pictures() {
 }
 
 bool Preview::is_still() const {
-  if (explorer_.moved() || width_ == 0) return false;
+  if (moves_ || width_ == 0) return false;
   if (explorer_.view() == View::raster) return true;
   const auto done = [](const LiveRender& live, std::uint64_t number) {
     const auto picture = live.latest();
@@ -208,7 +210,7 @@ void Preview::draw_traced() {
     shown_other_ = other_->latest();
     update_comparison();
   }
-  if (!shown_) return raster_.draw(explorer_.camera(), width_, height_, {explorer_.moved(), false});
+  if (!shown_) return raster_.draw(explorer_.camera(), width_, height_, {moves_, false});
   picture_view_.draw(width_, height_, compare == Compare::off ? 1.0f : compare == Compare::split ? 0.5f : 0.0f);
 }
 
@@ -216,7 +218,7 @@ void Preview::draw() {
   if (explorer_.view() == View::traced) {
     draw_traced();
   } else {
-    raster_.draw(explorer_.camera(), width_, height_, {explorer_.moved(), explorer_.shows_focus_plane()});
+    raster_.draw(explorer_.camera(), width_, height_, {moves_, explorer_.shows_focus_plane()});
   }
   // Before the display goes over it.
   for (const std::string& file : pictures_) save_picture(file);
@@ -282,6 +284,8 @@ void Preview::run() {
     explorer_.resize(width_, height_);
     run_script();
     explorer_.step(command_.headless() ? kScriptFrame : std::min(frame_seconds_, kLongestStep));
+    if (explorer_.moved()) last_move_ = now;
+    moves_ = explorer_.moved() || (!command_.headless() && now - last_move_ < kRestSeconds);
     ask_for_pictures();
     if (width_ > 0) {
       const bool still = is_still();  // before drawing: what comes in later is not in this frame

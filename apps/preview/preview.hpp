@@ -75,6 +75,8 @@ class Preview {
   int width_ = 0, height_ = 0;
   double frame_seconds_ = 0.0;
   int frames_ = 0;
+  double last_move_ = -1.0;  // seconds since the start
+  bool moves_ = false;
   bool drawn_still_ = false;                         // the frame before was drawn with nothing left to come
   std::vector<std::string> screenshots_, pictures_;  // to be made at the end of this frame
 };

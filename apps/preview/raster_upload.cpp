@@ -40,7 +40,8 @@ RasterView::RasterView(const Scene& scene)
       sky_kind_(scene.environment.kind),
       sky_bottom_(scene.environment.bottom),
       sky_top_(scene.environment.top),
-      bounds_(scene.geometry.bounds()) {
+      bounds_(scene.geometry.bounds()),
+      reversed_depth_(has_clip_control()) {
   upload_materials(scene);
   upload_meshes(scene);
   upload_spheres(scene);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
-#include "raylab/geometry/geometry.hpp"
+#include "raylab/core/timing.hpp"
 
 namespace raylab {
 
@@ -11,10 +12,25 @@ namespace {
 
 // Nearest over farthest distance that is drawn.
 constexpr float kDepthRatio = 1e-5f;
-// While moving, no more pixels than this are shaded.
-constexpr double kMovingPixels = 300000.0;
+// While moving, as many pixels are shaded as can be in this time, but no fewer than make a picture.
+constexpr double kMovingSeconds = 0.05;
+constexpr double kFewestMovingPixels = 20000.0;
+constexpr double kMostMovingPixels = 4e6;
 
 }  // namespace
+
+bool has_clip_control() {
+  GLint major = 0, minor = 0, extensions = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  glGetIntegerv(GL_MINOR_VERSION, &minor);
+  if (major * 10 + minor >= 45) return true;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &extensions);
+  for (GLint i = 0; i < extensions; ++i) {
+    const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+    if (std::string_view(name) == "GL_ARB_clip_control") return true;
+  }
+  return false;
+}
 
 RasterView::Eye RasterView::make_eye(const CameraSettings& settings, int width, int height) const {
   const Camera camera(settings, width, height);
@@ -33,14 +49,18 @@ RasterView::Eye RasterView::make_eye(const CameraSettings& settings, int width, 
   far *= 1.01f;
   const float near = far * kDepthRatio;
   eye.nearest = near;
-  eye.farthest = far;
-  // Rows of the view, divided by how far right and above reach. Its depth only clips.
+  // Depth near / t in float tells surfaces apart to 1e-7 of their distance, however near the eye may come. It
+  // takes clip control, without which depth goes from 0 at the nearest to 1 at the farthest.
+  const float slope = reversed_depth_ ? 0.0f : (far + near) / (far - near);
+  const float offset = reversed_depth_ ? near : -2.0f * far * near / (far - near);
+  eye.depth = reversed_depth_ ? vec2(0.0f, near) : vec2(0.5f * slope + 0.5f, 0.5f * offset);
+  // Rows of the view, divided by how far right and above reach.
   const vec3 x = eye.right / glm::dot(eye.right, eye.right);
   const vec3 y = eye.above / glm::dot(eye.above, eye.above);
-  const vec3 z = eye.ahead * ((far + near) / (far - near));
+  const vec3 z = eye.ahead * slope;
   const vec3 w = eye.ahead;
-  eye.clip_from_view = glm::mat4(x.x, y.x, z.x, w.x, x.y, y.y, z.y, w.y, x.z, y.z, z.z, w.z, 0.0f, 0.0f,
-                                 -2.0f * far * near / (far - near), 0.0f);
+  eye.clip_from_view =
+      glm::mat4(x.x, y.x, z.x, w.x, x.y, y.y, z.y, w.y, x.z, y.z, z.z, w.z, 0.0f, 0.0f, offset, 0.0f);
   return eye;
 }
 
@@ -67,7 +87,7 @@ void RasterView::set_common(const GlProgram& program, const Eye& eye, int width,
   program.set("above", eye.above);
   program.set("size", vec2(width, height));
   program.set("nearest", eye.nearest);
-  program.set("farthest", eye.farthest);
+  program.set("depth", eye.depth);
   program.set("materials", 0);
   program.set("picture", 1);
   program.set("sky_picture", 2);
@@ -120,6 +140,8 @@ void RasterView::draw_scene(const Eye& eye, int width, int height, const Options
   glDisable(GL_CULL_FACE);
   glDisable(GL_SCISSOR_TEST);
   glDepthMask(GL_TRUE);
+  if (reversed_depth_) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glClearDepth(reversed_depth_ ? 0.0 : 1.0);
   glClear(GL_DEPTH_BUFFER_BIT);
   glDisable(GL_DEPTH_TEST);
   glBindVertexArray(empty_array_.id());
@@ -127,7 +149,7 @@ void RasterView::draw_scene(const Eye& eye, int width, int height, const Options
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
+  glDepthFunc(reversed_depth_ ? GL_GEQUAL : GL_LEQUAL);
   draw_meshes(options.moving, false);
   draw_spheres(false);
 
@@ -148,21 +170,39 @@ void RasterView::draw_scene(const Eye& eye, int width, int height, const Options
   }
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
+  if (reversed_depth_) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+}
+
+void RasterView::draw_in_time(const Eye& eye, int width, int height, const Options& options) {
+  const Stopwatch watch;
+  draw_scene(eye, width, height, options);
+  if (options.moving) {
+    glFinish();  // or the time would be that of writing the commands down
+    const double change = std::clamp(kMovingSeconds / std::max(watch.seconds(), 1e-4), 0.5, 1.25);
+    moving_pixels_ = std::clamp(std::min(moving_pixels_, static_cast<double>(width) * height) * change,
+                                kFewestMovingPixels, kMostMovingPixels);
+  }
 }
 
 void RasterView::draw(const CameraSettings& camera, int width, int height, const Options& options) {
   const double pixels = static_cast<double>(width) * height;
-  const double scale = options.moving ? std::min(1.0, std::sqrt(kMovingPixels / pixels)) : 1.0;
+  const double scale = options.moving ? std::min(1.0, std::sqrt(moving_pixels_ / pixels)) : 1.0;
   const int w = std::max(1, static_cast<int>(width * scale));
   const int h = std::max(1, static_cast<int>(height * scale));
   GLint window = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &window);
-  resize_target(w, h);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target_.id());
-  triangles_drawn_ = 0;
-  plane_program_.use();
-  plane_program_.set("distance", camera.focus_distance);
-  draw_scene(make_eye(camera, width, height), w, h, options);
+  // A still picture is drawn once: a large scene takes a second in software, and nothing of it changes.
+  const Drawn now{camera.look_from, camera.look_at,      camera.up,     camera.vfov, camera.focus_distance, width,
+                  height,           options.focus_plane, options.moving};
+  if (options.moving || drawn_ != now) {
+    drawn_ = now;
+    resize_target(w, h);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target_.id());
+    triangles_drawn_ = 0;
+    plane_program_.use();
+    plane_program_.set("distance", camera.focus_distance);
+    draw_in_time(make_eye(camera, width, height), w, h, options);
+  }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(window));
   glBlitFramebuffer(0, 0, w, h, 0, 0, width, height, GL_COLOR_BUFFER_BIT, w == width ? GL_NEAREST : GL_LINEAR);

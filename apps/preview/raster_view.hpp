@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "gl.hpp"
@@ -6,6 +7,9 @@
 #include "raylab/scene/camera.hpp"
 
 namespace raylab {
+
+/// Whether depth can be had between 0 and 1 (OpenGL 4.5, or its extension).
+bool has_clip_control();
 
 /// The scene as OpenGL draws it: triangles from buffers, spheres as rectangles in which each pixel finds its own
 /// hit.
@@ -29,7 +33,8 @@ class RasterView {
   struct Eye {
     vec3 position, up, ahead, right, above;
     glm::mat4 clip_from_view;
-    float nearest, farthest;
+    float nearest;
+    vec2 depth;  ///< of what is t ahead: x + y / t
   };
   struct SphereDraw {
     std::uint32_t first, count;
@@ -44,6 +49,7 @@ class RasterView {
   Eye make_eye(const CameraSettings& camera, int width, int height) const;
   void set_common(const GlProgram& program, const Eye& eye, int width, int height) const;
   void draw_scene(const Eye& eye, int width, int height, const Options& options);
+  void draw_in_time(const Eye& eye, int width, int height, const Options& options);
   void draw_meshes(bool coarse, bool glass);
   void draw_spheres(bool glass);
 
@@ -64,6 +70,17 @@ class RasterView {
   GlFramebuffer target_;
   GlRenderbuffer target_color_, target_depth_;
   int target_width_ = 0, target_height_ = 0;
+  /// What the last picture showed.
+  struct Drawn {
+    vec3 from, at, up;
+    float vfov, focus_distance;
+    int width, height;
+    bool focus_plane, moving;
+    bool operator==(const Drawn&) const = default;
+  };
+  std::optional<Drawn> drawn_;
+  double moving_pixels_ = 200000.0;
+  bool reversed_depth_;
   std::size_t triangles_drawn_ = 0;
 };
 

@@ -12,7 +12,6 @@ uniform sampler2D sky_picture;
 uniform int sky_kind;        // 0 constant, 1 gradient, 2 picture
 uniform vec3 sky_bottom, sky_top;
 uniform vec3 eye, up, ahead;
-uniform float farthest;
 out vec4 fragment;
 
 const float pi = 3.14159265;
@@ -44,10 +43,6 @@ vec3 base_color(vec4 a, vec4 b, vec4 c, vec3 p, vec2 uv, bool exact_level) {
   vec2 at = vec2(uv.x, 1.0 - uv.y);
   return exact_level ? textureLod(picture, at, 0.0).rgb : texture(picture, at).rgb;
 }
-// Depth grows in proportion to the distance ahead. With float depth that tells surfaces apart to 1e-7 of their distance
-// from any near plane, where the usual hyperbolic one spends its bits just before the eye.
-float depth(vec3 p) { return dot(p, ahead) / farthest; }
-
 // p relative to the eye, n facing the eye.
 vec4 surface(int material, vec3 p, vec3 n, vec2 uv, bool exact_level) {
   vec4 a = texelFetch(materials, 3 * material), b = texelFetch(materials, 3 * material + 1),
@@ -96,7 +91,6 @@ in vec2 uv;
 void main() {
   vec3 ns = dot(n, n) > 0.0 ? normalize(n) : normalize(cross(dFdx(p), dFdy(p)));
   fragment = surface(material, p, dot(ns, p) > 0.0 ? -ns : ns, uv, false);
-  gl_FragDepth = depth(p);
 }
 )";
 
@@ -125,7 +119,7 @@ void main() {
   high = min(high, vec2(1.0));
   bool behind = dot(ball.xyz, ahead) + ball.w * 1.7320508 <= 0.0;
   vec2 at = mix(low, high, vec2(gl_VertexID & 1, gl_VertexID >> 1));
-  gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(at, 0.0, 1.0);
+  gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(at, 0.5, 1.0);
 }
 )";
 
@@ -133,6 +127,7 @@ inline constexpr const char* kSphereFragment = R"(
 uniform vec3 right, above;  // reach the edge of the picture one unit ahead
 uniform vec2 size;          // pixels
 uniform float nearest;
+uniform vec2 depth;         // of t ahead: x + y / t
 flat in vec4 ball;
 flat in int material;
 void main() {
@@ -153,7 +148,7 @@ void main() {
   vec3 n = normalize(p - ball.xyz);
   vec2 uv = vec2((atan(-n.z, n.x) + pi) / (2.0 * pi), acos(clamp(-n.y, -1.0, 1.0)) / pi);
   fragment = surface(material, p, dot(n, p) > 0.0 ? -n : n, uv, true);
-  gl_FragDepth = depth(p);
+  gl_FragDepth = clamp(depth.x + depth.y / t, 0.0, 1.0);
 }
 )";
 
@@ -185,11 +180,9 @@ void main() {
 )";
 
 inline constexpr const char* kPlaneFragment = R"(#version 330 core
-uniform float distance, farthest;
 in vec2 at;
 out vec4 fragment;
 void main() {
-  gl_FragDepth = distance / farthest;
   vec2 line = abs(fract(at * 5.0 / 0.9 * 0.5) - 0.5);
   bool edge = max(abs(at.x), abs(at.y)) > 0.885;
   bool grid = min(line.x, line.y) < 0.006;
