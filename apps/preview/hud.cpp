@@ -97,6 +97,29 @@ void show_message(const std::string& message) {
   ImGui::End();
 }
 
+void show_figures(const Scene& scene, const AcceleratorShelf& shelf, const Explorer& explorer,
+                  const HudFigures& figures) {
+  ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin), ImGuiCond_FirstUseEver);
+  ImGui::Begin("raylab", nullptr, kPlain);
+  const bool traced = explorer.view() == View::traced;
+  ImGui::Text("%s  %s  %dx%d  %.1f ms", scene.name.c_str(), traced ? "path traced" : "raster", figures.width,
+              figures.height, 1e3 * figures.frame_seconds);
+  if (!traced) ImGui::Text("%zu triangles drawn", figures.triangles_drawn);
+  const bool both = traced && explorer.compare() != Compare::off;
+  show_accelerator(shelf, explorer.accel(), both ? "left  " : "");
+  if (traced && figures.picture) show_traced("", *figures.picture, figures.samples_wanted);
+  if (both) {
+    show_accelerator(shelf, explorer.other_accel(), "right ");
+    if (figures.other) show_traced("", *figures.other, figures.samples_wanted);
+    ImGui::Text("%s", figures.comparison.c_str());
+  }
+  show_camera(explorer.camera(), explorer);
+  show_materials(scene);
+  if (!figures.failure.empty()) ImGui::TextWrapped("%s", figures.failure.c_str());
+  ImGui::TextDisabled("H help");
+  ImGui::End();
+}
+
 }  // namespace
 
 Hud::Hud(GLFWwindow* window) {
@@ -120,26 +143,12 @@ void Hud::draw(const Scene& scene, const AcceleratorShelf& shelf, const Explorer
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin), ImGuiCond_FirstUseEver);
-  ImGui::Begin("raylab", nullptr, kPlain);
-  const bool traced = explorer.view() == View::traced;
-  ImGui::Text("%s  %s  %dx%d  %.1f ms", scene.name.c_str(), traced ? "path traced" : "raster", figures.width,
-              figures.height, 1e3 * figures.frame_seconds);
-  if (!traced) ImGui::Text("%zu triangles drawn", figures.triangles_drawn);
-  const bool both = traced && explorer.compare() != Compare::off;
-  show_accelerator(shelf, explorer.accel(), both ? "left  " : "");
-  if (traced && figures.picture) show_traced("", *figures.picture, figures.samples_wanted);
-  if (both) {
-    show_accelerator(shelf, explorer.other_accel(), "right ");
-    if (figures.other) show_traced("", *figures.other, figures.samples_wanted);
-    ImGui::Text("%s", figures.comparison.c_str());
+  // The help in place of the figures: a small window has no room for both.
+  if (explorer.shows_help()) {
+    show_help();
+  } else {
+    show_figures(scene, shelf, explorer, figures);
   }
-  show_camera(explorer.camera(), explorer);
-  show_materials(scene);
-  if (!figures.failure.empty()) ImGui::TextWrapped("%s", figures.failure.c_str());
-  if (!explorer.shows_help()) ImGui::TextDisabled("H help");
-  ImGui::End();
-  if (explorer.shows_help()) show_help();
   if (!explorer.message().empty()) show_message(explorer.message());
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
