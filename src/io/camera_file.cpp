@@ -21,22 +21,17 @@ struct Edit {
   std::string text;
 };
 
-bool is_continuation_byte(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
-
-/// Offset of a "file:line:column" in the text. Columns count characters, not bytes.
+/// Offset of a "file:line:column" in the text. Columns count characters, but before a camera's value there are
+/// only ASCII ones on its line, a byte order mark aside.
 std::size_t offset_of(std::string_view text, const std::string& place) {
   const std::size_t column_colon = place.rfind(':');
   const std::size_t line_colon = place.rfind(':', column_colon - 1);
-  int line = 1, column = 1;
+  std::size_t line = 1, column = 1;
   std::from_chars(place.data() + line_colon + 1, place.data() + column_colon, line);
   std::from_chars(place.data() + column_colon + 1, place.data() + place.size(), column);
-  std::size_t at = 0;
+  std::size_t at = line == 1 && text.starts_with("\xef\xbb\xbf") ? 3 : 0;
   for (; line > 1; --line) at = text.find('\n', at) + 1;
-  for (; column > 1 && at < text.size(); --column) {
-    do ++at;
-    while (at < text.size() && is_continuation_byte(text[at]));
-  }
-  return at;
+  return std::min(at + column - 1, text.size());
 }
 
 std::size_t number_end(std::string_view text, std::size_t at) {

@@ -72,11 +72,14 @@ TEST_CASE("keys that the file lacks follow the camera's last", "[unit][preview]"
 
 TEST_CASE("cameras written as inline tables, dotted keys, empty or not at all are changed too",
           "[unit][preview]") {
-  const std::string text = GENERATE(
-      as<std::string>{}, "camera = { vfov = 30, look_at = [0,1,2] } # c\n", "camera = {}\n[render]\nwidth = 3\n",
-      "camera.vfov = 30 # deg\ncamera.look_at = [0, 1, 2]\n[render]\nwidth = 3\n", "[camera]",
-      "[camera] # none\n\n[render]\nwidth = 3\n", "", "[render]\nwidth = 3",
-      "[camera]\nlook_at = [ # ]\n 1,\n 2, # a ] here\n 3 ]\n[render]\nheight = 2\n");
+  const std::string text =
+      GENERATE(as<std::string>{},
+               "\xef\xbb\xbf"
+               "camera = { vfov = 30 } # c\n",
+               "camera = { vfov = 30, look_at = [0,1,2] } # c\n", "camera = {}\n[render]\nwidth = 3\n",
+               "camera.vfov = 30 # deg\ncamera.look_at = [0, 1, 2]\n[render]\nwidth = 3\n", "[camera]",
+               "[camera] # none\n\n[render]\nwidth = 3\n", "", "[render]\nwidth = 3",
+               "[camera]\nlook_at = [ # ]\n 1,\n 2, # a ] here\n 3 ]\n[render]\nheight = 2\n");
   INFO(text);
   const std::string changed = with_camera(text, "t.toml", some_camera());
   CHECK(same(camera_of(changed), some_camera()));
