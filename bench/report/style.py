@@ -46,6 +46,7 @@ def finish(figure, title, results, suites, legend=None, legend_columns=6):
     """Title above, legend and footer below, nothing on top of anything."""
     width, height = figure.get_size_inches()
     footer = footer_lines(results, suites, int(width * 17))
+    legend_columns = min(legend_columns, max(1, int(width / 2.1)))  # inches that the longest name takes
     legend_rows = -(-len(legend[0]) // legend_columns) if legend else 0
     below = 0.125 * len(footer) + 0.12
     legend_height = 0.22 * legend_rows + (0.12 if legend_rows else 0.0)
@@ -67,7 +68,7 @@ def footer_lines(results, suites, width):
     for run in results.get("runs", []):
         if run["suite"] in suites:
             text = f"{run['command']}, {run['date'][:10]}" + ("" if run.get("complete", True) else " (interrupted)")
-            lines += textwrap.wrap(text, width, subsequent_indent="    ")
+            lines += textwrap.wrap(text, width, subsequent_indent="    ", break_on_hyphens=False)
     return [line.replace("$", r"\$") for line in lines]
 
 
