@@ -70,7 +70,7 @@ def ratio(rows, others, key):
 def threads(bench):
     """Two threads against one."""
     table = [["scene", "accel", "1 thread, s", "2 threads, s", "speed-up", "estimated relMSE"]]
-    for scene, settings in {"cornell": {"width": 400, "spp": 16}, "dragon": {"width": 800, "spp": 16}}.items():
+    for scene, settings in {"cornell": {"width": 400, "spp": 64}, "dragon": {"width": 800, "spp": 64}}.items():
         rows = bench.interleaved({"one": {"threads": 1, **settings}, "two": {"threads": 2, **settings}}, scene)
         table.append([scene, rows["one"][0]["accel"], f"{median(rows['one'], 'seconds'):.3f}",
                       f"{median(rows['two'], 'seconds'):.3f}", f"{ratio(rows['one'], rows['two'], 'seconds'):.3f}",
