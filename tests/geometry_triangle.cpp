@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/geometry/primitive_test.hpp"
+#include "raylab/measure/ray_sets.hpp"
 
 using namespace raylab;
 
@@ -159,6 +160,28 @@ TEST_CASE("a long thin triangle nearly along the ray is not hit outside its box"
       CHECK(hit_x < 1e4f + 0.1f);
     }
   }
+}
+
+TEST_CASE("the distance of a hit is within 8 ulp, however steeply the triangle stands against the ray", "[unit]") {
+  // Seen from the origin down the x axis, through its middle, off which it leans by less and less.
+  UniformFloats random(17);
+  int hits = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    const float lean = std::exp2(random(-12.0f, 0.0f));
+    const vec3 middle(random(1.0f, 2.0f), random(-1.0f, 1.0f), random(-1.0f, 1.0f));
+    const vec3 along(random(0.1f, 0.2f), lean * random(-0.1f, 0.1f), lean * random(-0.1f, 0.1f));
+    const vec3 across(0.0f, random(0.01f, 0.1f), random(0.01f, 0.1f));
+    const Triangle triangle{middle - along - across, middle + along - across, middle + across};
+    const Ray ray{vec3(0.0f), middle + 0.3f * random(-1.0f, 1.0f) * across};
+    const auto found = watertight(ray, triangle);
+    if (!found) continue;
+    ++hits;
+    const dvec3 n = glm::cross(dvec3(triangle.p1) - dvec3(triangle.p0), dvec3(triangle.p2) - dvec3(triangle.p0));
+    const double t = glm::dot(dvec3(triangle.p0), n) / glm::dot(dvec3(ray.direction), n);
+    CAPTURE(i);
+    REQUIRE(std::abs(static_cast<double>(found->t) - t) <= 8.0 * static_cast<double>(kUlp) * t / 2.0);
+  }
+  CHECK(hits > 50'000);
 }
 
 TEST_CASE("degenerate triangles are never hit", "[unit]") {

@@ -7,6 +7,7 @@
 
 #include "raylab/core/error.hpp"
 #include "raylab/image/image_file.hpp"
+#include "raylab/render/integrator.hpp"
 #include "subprocess.hpp"
 
 namespace raylab::bench {
@@ -17,8 +18,6 @@ namespace {
 
 const std::string kAdapter = RAYLAB_SOURCE_DIR "/bench/peers/mitsuba_render.py";
 constexpr const char* kVariant = "llvm_ad_rgb";
-// From which segment on our own roulette may end a path.
-constexpr int kRouletteSegment = 5;
 
 /// A new empty folder, removed with what is in it.
 class Scratch {
@@ -70,7 +69,7 @@ PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene
                                      "--max-depth",
                                      std::to_string(options.integrator.max_depth),
                                      "--rr-depth",
-                                     std::to_string(kRouletteSegment),
+                                     std::to_string(Integrator::kFirstRouletteSegment),
                                      "--repeats",
                                      std::to_string(runs),
                                      "--threads",

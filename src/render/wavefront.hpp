@@ -14,9 +14,6 @@ namespace {
 /// Draws of one path segment, from Integrator::kFirstDimension on.
 enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
 
-/// Segments traced before Russian roulette may end a path.
-constexpr int kFirstRouletteSegment = 5;
-
 /// t_min of the One Weekend books.
 constexpr float kBookOffset = 0.001f;
 
@@ -328,7 +325,7 @@ class Wavefront {
     throughput *= scattered.weight;
     const Wide eta_scale = Wide::load(paths_.eta_scale + first) * scattered.eta_squared;
     const Wide scatter_pdf = select(scattered.delta, Wide(0.0f), scattered.pdf);
-    if (segment >= kFirstRouletteSegment && shading_.settings.kind == IntegratorKind::path) {
+    if (segment >= Integrator::kFirstRouletteSegment && shading_.settings.kind == IntegratorKind::path) {
       const Wide survival =
           lesser(greater(throughput.x, greater(throughput.y, throughput.z)) * eta_scale, Wide(1.0f));
       alive = alive & (sampler.get1(draws + kRoulette) < survival);

@@ -1,7 +1,6 @@
 #pragma once
 // Arithmetic written once for one float and for a vector of floats (core/wide.hpp), lane by lane the same to the bit.
 // Code templated on F reads like scalar code with two differences: a condition is a mask, and choosing is select().
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 

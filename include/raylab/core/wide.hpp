@@ -1,7 +1,7 @@
 #pragma once
-// Vectors of as many floats as the instruction set has, for files that are compiled once for each set. All of it is
-// local to the including file: two files' versions have nothing to do with each other.
-// No operation here rounds differently from its scalar namesake in lanes.hpp.
+// Vectors of as many floats as the instruction set has, for files that are compiled once for each set. All of it
+// is local to the including file: two files' versions have nothing to do with each other. No operation here rounds
+// differently from its scalar namesake in lanes.hpp.
 #include <immintrin.h>
 
 #include "raylab/core/lanes.hpp"
@@ -54,7 +54,7 @@ struct WideMask {
 inline bool any(WideMask m) { return m.bits() != 0; }
 /// The first `count` lanes.
 inline WideMask first_lanes(std::size_t count) {
-  return WideMask::of(count >= kLanes ? (kLanes == 32 ? ~0u : (1u << kLanes) - 1u) : (1u << count) - 1u);
+  return WideMask::of((1u << (count < kLanes ? count : kLanes)) - 1u);
 }
 
 struct WideVec2;
@@ -173,7 +173,8 @@ inline Wide round_down(Wide x) {
 }
 inline Wide magnitude(Wide x) { return FloatVector(IntVector(x.v) & 0x7fffffff); }
 inline Wide with_sign_of(Wide size, Wide sign) {
-  return FloatVector((IntVector(size.v) & 0x7fffffff) | (IntVector(sign.v) & static_cast<std::int32_t>(0x80000000u)));
+  return FloatVector((IntVector(size.v) & 0x7fffffff) |
+                     (IntVector(sign.v) & static_cast<std::int32_t>(0x80000000u)));
 }
 inline Wide to_float(WideUInt x) { return __builtin_convertvector(IntVector(x.v), FloatVector); }
 
@@ -245,17 +246,37 @@ struct WideDouble {
     return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
 #endif
   }
-  /// Each lane's comparison with 0, as floats: -1, 0 or 1, of which NaN is 1.
-  Wide to_sign() const {
-    const Half one = 1.0 - Half{}, zero{};
-    const auto sign = [&](const Half& x) { return x == zero ? zero : (x < zero ? -one : one); };
-    return WideDouble(sign(low), sign(high)).to_float();
+  friend WideDouble operator+(const WideDouble& a, const WideDouble& b) {
+    return {a.low + b.low, a.high + b.high};
   }
-  friend WideDouble operator+(const WideDouble& a, const WideDouble& b) { return {a.low + b.low, a.high + b.high}; }
-  friend WideDouble operator-(const WideDouble& a, const WideDouble& b) { return {a.low - b.low, a.high - b.high}; }
+  friend WideDouble operator-(const WideDouble& a, const WideDouble& b) {
+    return {a.low - b.low, a.high - b.high};
+  }
   friend WideDouble operator-(const WideDouble& a) { return {-a.low, -a.high}; }
-  friend WideDouble operator*(const WideDouble& a, const WideDouble& b) { return {a.low * b.low, a.high * b.high}; }
-  friend WideDouble operator/(const WideDouble& a, const WideDouble& b) { return {a.low / b.low, a.high / b.high}; }
+  friend WideDouble operator*(const WideDouble& a, const WideDouble& b) {
+    return {a.low * b.low, a.high * b.high};
+  }
+  friend WideDouble operator/(const WideDouble& a, const WideDouble& b) {
+    return {a.low / b.low, a.high / b.high};
+  }
+  friend WideMask operator<(const WideDouble& a, const WideDouble& b) {
+#if defined(__AVX512F__)
+    return WideMask::of(_mm512_cmp_pd_mask(a.low, b.low, _CMP_LT_OQ) |
+                        static_cast<std::uint32_t>(_mm512_cmp_pd_mask(a.high, b.high, _CMP_LT_OQ)) << 8);
+#else
+    using HalfInts = std::int32_t __attribute__((vector_size(kLanes * 2)));
+    const HalfInts halves[2] = {__builtin_convertvector(a.low < b.low, HalfInts),
+                                __builtin_convertvector(a.high < b.high, HalfInts)};
+    WideMask m;
+    __builtin_memcpy(&m.v, halves, sizeof m.v);
+    return m;
+#endif
+  }
+  friend WideDouble magnitude(const WideDouble& x) {
+    using Bits = std::int64_t __attribute__((vector_size(kLanes * 4)));
+    constexpr std::int64_t all_but_sign = 0x7fffffffffffffff;
+    return {Half(Bits(x.low) & all_but_sign), Half(Bits(x.high) & all_but_sign)};
+  }
   friend WideDouble square_root(const WideDouble& x) {
 #if defined(__AVX512F__)
     return {_mm512_sqrt_pd(x.low), _mm512_sqrt_pd(x.high)};

@@ -72,27 +72,44 @@ struct WatertightRay {
 
 namespace detail {
 
+/// The edge functions err by roundings of max|z| max|x, y|, so t errs by roundings of
+///   slope = max|z| max|x, y| (extent of the triangle along z) / (|z| det),
+/// which for a triangle far away is how steeply it stands against the ray. Up to kTrustedSlope t is taken as it
+/// is, a few roundings off: beyond, one hit in ten, it is computed again in double. Of a t below 0 only the sign
+/// matters, which is right up to kTrustedSignSlope: so a ray that leaves a triangle, as every scattered one does,
+/// needs no double for it.
+inline constexpr float kTrustedSlope = 3.0f;
+inline constexpr float kTrustedSignSlope = 0x1p19f;
+
 /// Along the normal, in double; of any length.
 inline dvec3 triangle_normal(const Triangle& tri) {
   const dvec3 p0(tri.p0);
   return glm::cross(dvec3(tri.p1) - p0, dvec3(tri.p2) - p0);
 }
 
-/// Distance to the plane of the triangle, in double from the vertices as they are, kept within the distances of
-/// the vertices. `otherwise` where the ray runs along the plane.
-[[gnu::noinline, gnu::cold]] inline float watertight_plane_distance(const WatertightRay& ray, const Triangle& tri,
-                                                                    float otherwise) {
-  const dvec3 origin(ray.origin);
-  const dvec3 p0 = dvec3(tri.p0) - origin;
-  const dvec3 p1 = dvec3(tri.p1) - origin;
-  const dvec3 p2 = dvec3(tri.p2) - origin;
+/// Below this share of the sizes of its terms the sine between ray and plane may be cancelled away, even in double.
+inline constexpr double kDoubtfulFacing = 0x1p-20;
+
+/// Distance to the plane of the triangle, in double from the vertices as they are; where the ray runs nearly along the
+/// plane, kept within the distances of the vertices, and `otherwise` where it runs along it.
+[[gnu::noinline]] inline float watertight_plane_distance(const WatertightRay& ray, const Triangle& tri,
+                                                         float otherwise) {
   const dvec3 n = triangle_normal(tri);
-  const double facing = glm::dot(dvec3(ray.direction), n);
-  if (facing == 0.0) return otherwise;
-  const int k = ray.kz;
-  const double z = static_cast<double>(ray.direction_z);
-  const double t0 = p0[k] / z, t1 = p1[k] / z, t2 = p2[k] / z;
-  return static_cast<float>(std::clamp(glm::dot(p0, n) / facing, std::min({t0, t1, t2}), std::max({t0, t1, t2})));
+  const dvec3 facings = dvec3(ray.direction) * n;
+  const dvec3 distances = (dvec3(tri.p0) - dvec3(ray.origin)) * n;
+  const double facing = facings.x + facings.y + facings.z;
+  double t = (distances.x + distances.y + distances.z) / facing;
+  const dvec3 size = glm::abs(facings);
+  if (!(std::abs(facing) > kDoubtfulFacing * (size.x + size.y + size.z))) [[unlikely]] {
+    if (facing == 0.0) return otherwise;
+    const int k = ray.kz;
+    const auto at_corner = [&](const vec3& p) {
+      return (static_cast<double>(p[k]) - static_cast<double>(ray.origin[k])) / static_cast<double>(ray.direction_z);
+    };
+    const double t0 = at_corner(tri.p0), t1 = at_corner(tri.p1), t2 = at_corner(tri.p2);
+    t = std::clamp(t, std::min({t0, t1, t2}), std::max({t0, t1, t2}));
+  }
+  return static_cast<float>(t);
 }
 
 /// The hit whose edge functions (twice the signed areas opposite a, b, c) are u, v, w of one sign, det their
@@ -104,17 +121,17 @@ std::optional<TriangleHit> watertight_hit(const WatertightRay& ray, const Triang
   const Real inv_det = Real(1) / det;
   const Real beta = v * inv_det;
   const Real gamma = w * inv_det;
-  const Real z = Real(a.z) + beta * (Real(b.z) - Real(a.z)) + gamma * (Real(c.z) - Real(a.z));
+  const Real ab = Real(b.z) - Real(a.z);
+  const Real ac = Real(c.z) - Real(a.z);
+  const Real z = Real(a.z) + beta * ab + gamma * ac;
   auto t = static_cast<float>(z / Real(ray.direction_z));
-  // The edge functions err by roundings of products of x and y, so z errs by roundings of
-  // max|z| max|x, y|² / det. Where z is no larger than that, its sign is noise, and a ray that starts just off the
-  // triangle, as every scattered one does, could hit it again.
   const float z_size = std::max({std::abs(a.z), std::abs(b.z), std::abs(c.z)});
   const float xy_size =
       std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y), std::abs(c.x), std::abs(c.y)});
-  if (std::abs(z) * std::abs(det) <= Real(0x1p-19f * z_size) * xy_size * xy_size) [[unlikely]] {
+  const Real error = Real(z_size) * (std::max(std::abs(ab), std::abs(ac)) * Real(xy_size));
+  const Real depth = std::abs(z) * std::abs(det);
+  if (!(error < Real(t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth))
     t = watertight_plane_distance(ray, tri, t);
-  }
   if (!(t > t_min && t < t_max)) return std::nullopt;
   return TriangleHit{t, static_cast<float>(beta), static_cast<float>(gamma)};
 }

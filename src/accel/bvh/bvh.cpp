@@ -71,6 +71,11 @@ bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& r
   return true;
 }
 
+float plane_distance(const TriangleBlock& block, int lane, const KernelRay& ray, float otherwise) noexcept {
+  return detail::watertight_plane_distance(WatertightRay(as_ray(ray, ray.limit)), triangle_of(block, lane),
+                                           otherwise);
+}
+
 void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept {
   const dvec3 n = detail::triangle_normal(triangle_of(block, lane));
   normal[0] = n.x;
@@ -113,8 +118,8 @@ const Kernel& choose_kernel(std::optional<Isa> forced) {
   return kernel_of(forced.value_or(newest_isa()));
 }
 
-/// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the box
-/// test can.
+/// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the
+/// box test can.
 constexpr float kBookDirectionRange = 0x1p120f;
 
 class Bvh final : public Accelerator {

@@ -22,13 +22,13 @@ struct KernelHit {
   std::uint32_t place;  ///< in the order of the tree, or kNoPrimitive
 };
 
-/// Rays for the lanes of a vector, side by side, each array as long as the vector. Lanes that are not named hold any
-/// numbers.
+/// Rays for the lanes of a vector, side by side, each array as long as the vector. Lanes that are not named hold
+/// any numbers.
 struct PacketRays {
   const float* origin[3];
   const float* direction[3];
   const float* t_min;
-  const float* t_max;  ///< hits count below it
+  const float* t_max;   ///< hits count below it
   std::uint32_t lanes;  ///< bit i: lane i is a ray
 };
 inline constexpr int kLargestPacket = 16;
@@ -64,6 +64,8 @@ extern template bool hit_sphere<Intersector::watertight>(const void*, std::uint3
 /// the vector code cannot. Fills in all of the hit.
 bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
                         KernelHit& hit) noexcept;
+/// watertight_plane_distance() of the triangle in a lane of a block.
+float plane_distance(const TriangleBlock& block, int lane, const KernelRay& ray, float otherwise) noexcept;
 /// Centre and radius of the sphere at a place.
 void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept;
 /// Normal of the triangle in a lane of a block, as triangle_normal() computes it.

@@ -1,0 +1,198 @@
+#pragma once
+// Several rays, one in each lane of a vector, against one box, triangle or sphere. Lane by lane the operations on
+// triangles are those of BlockTest, so the hits are the same bit for bit. Local to the including file.
+#include "ray_tests.hpp"
+#include "raylab/core/wide.hpp"
+
+namespace raylab::bvh {
+namespace {
+
+/// kx, ky, kz of BlockTest for each lane, without its swap for directions down the z axis: that turns all three
+/// edge functions around, which changes no answer.
+class PacketTriangleTest {
+ public:
+  PacketTriangleTest(const WideVec3& origin, const WideVec3& direction) : origin_(origin), direction_(direction) {
+    const WideVec3 size = abs(direction);
+    const WideMask x_over_y = size.x > size.y;
+    z_is_x_ = x_over_y & (size.x > size.z);
+    z_is_y_ = (!x_over_y) & (size.y > size.z);
+    Wide x, y;
+    permute(direction, x, y, direction_z_);
+    shear_x_ = x / direction_z_;
+    shear_y_ = y / direction_z_;
+  }
+
+  struct Vertex {
+    Wide x, y, z;
+  };
+  Vertex transform(float px, float py, float pz) const {
+    Vertex v;
+    permute({Wide(px) - origin_.x, Wide(py) - origin_.y, Wide(pz) - origin_.z}, v.x, v.y, v.z);
+    v.x = v.x - shear_x_ * v.z;
+    v.y = v.y - shear_y_ * v.z;
+    return v;
+  }
+
+  struct Found {
+    WideMask hit;        ///< certainly, at t, with t_min < t <= limit
+    WideMask imprecise;  ///< certainly, but t has to be computed again: see plane_distance()
+    WideMask unsure;     ///< only the scalar test can tell
+    Wide t, beta, gamma;
+  };
+  /// False where no lane has a hit.
+  bool operator()(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit,
+                  Found& found) const {
+    const Wide zero(0.0f);
+    const Wide u = c.x * b.y - c.y * b.x;
+    const Wide v = a.x * c.y - a.y * c.x;
+    const Wide w = b.x * a.y - b.y * a.x;
+    const Wide smallest = lesser(w, lesser(v, u));
+    const Wide largest = greater(w, greater(v, u));
+    const WideMask inside = lanes & !((smallest < zero) & (zero < largest));
+    if (!any(inside)) return false;
+    const Wide det = u + v + w;
+    const Wide inv_det = Wide(1.0f) / det;
+    found.beta = v * inv_det;
+    found.gamma = w * inv_det;
+    const Wide ab = b.z - a.z, ac = c.z - a.z;
+    const Wide z = a.z + found.beta * ab + found.gamma * ac;
+    found.t = z / direction_z_;
+    const Wide size = magnitude(det);
+    const Wide xy_size = greater(largest_xy(a), greater(largest_xy(b), largest_xy(c)));
+    const Wide z_size = greater(magnitude(a.z), greater(magnitude(b.z), magnitude(c.z)));
+    const Wide error = z_size * (greater(magnitude(ab), magnitude(ac)) * xy_size);
+    const Wide depth = magnitude(z) * size;
+    const WideMask precise =
+        (error < Wide(kTrustedSlope) * depth) | ((found.t < zero) & (error < Wide(kTrustedSignSlope) * depth));
+    const WideMask sure =
+        inside & (Wide(0x1p-100f) < size) & (size < Wide(0x1p120f)) & (smallest != zero) & (largest != zero);
+    found.unsure = inside & !sure;
+    found.imprecise = sure & !precise;
+    found.hit = sure & precise & (t_min < found.t) & (found.t <= limit);
+    return any(found.hit | found.imprecise | found.unsure);
+  }
+
+  /// watertight_plane_distance() for all lanes, of a triangle of the block with this normal.
+  Wide plane_distance(const TriangleBlock& block, int lane, const double (&n)[3], Wide otherwise) const {
+    const auto corner = [&](int axis, int k) {
+      return static_cast<double>(block.position[axis][block.corner[k][lane]]);
+    };
+    const WideDouble x = WideDouble(direction_.x) * n[0];
+    const WideDouble y = WideDouble(direction_.y) * n[1];
+    const WideDouble z = WideDouble(direction_.z) * n[2];
+    const WideDouble facing = x + y + z;
+    const WideDouble distance = (corner(0, 0) - WideDouble(origin_.x)) * n[0] +
+                                (corner(1, 0) - WideDouble(origin_.y)) * n[1] +
+                                (corner(2, 0) - WideDouble(origin_.z)) * n[2];
+    const WideDouble t = distance / facing;
+    const WideMask doubtful =
+        !(WideDouble(kDoubtfulFacing) * (magnitude(x) + magnitude(y) + magnitude(z)) < magnitude(facing));
+    if (!any(doubtful)) [[likely]]
+      return t.to_float();
+    const WideDouble direction_z(direction_z_);
+    const WideDouble origin_z(z_of(origin_));
+    const auto at_corner = [&](int k) {
+      const Wide p =
+          z_of({Wide(block.position[0][block.corner[k][lane]]), Wide(block.position[1][block.corner[k][lane]]),
+                Wide(block.position[2][block.corner[k][lane]])});
+      return (WideDouble(p) - origin_z) / direction_z;
+    };
+    const WideDouble t0 = at_corner(0), t1 = at_corner(1), t2 = at_corner(2);
+    const WideDouble kept = at_most(at_least(t, at_most(at_most(t0, t1), t2)), at_least(at_least(t0, t1), t2));
+    const WideMask along = !((facing < WideDouble(0.0)) | (WideDouble(0.0) < facing));
+    return select(doubtful, select(along, otherwise, kept.to_float()), t.to_float());
+  }
+
+ private:
+  static Wide largest_xy(const Vertex& v) { return greater(magnitude(v.x), magnitude(v.y)); }
+  Wide z_of(const WideVec3& v) const { return select(z_is_x_, v.x, select(z_is_y_, v.y, v.z)); }
+  void permute(const WideVec3& v, Wide& x, Wide& y, Wide& z) const {
+    x = select(z_is_x_, v.y, select(z_is_y_, v.z, v.x));
+    y = select(z_is_x_, v.z, select(z_is_y_, v.x, v.y));
+    z = z_of(v);
+  }
+
+  WideVec3 origin_, direction_;
+  WideMask z_is_x_, z_is_y_;
+  Wide direction_z_, shear_x_, shear_y_;
+};
+
+/// BoxTest with the lanes for rays instead of children.
+class PacketBoxTest {
+ public:
+  explicit PacketBoxTest(const WideVec3& origin, const WideVec3& direction) : origin_(origin) {
+    const WideVec3 reciprocal(Wide(1.0f) / direction.x, Wide(1.0f) / direction.y, Wide(1.0f) / direction.z);
+    to_near_ = reciprocal * Wide(kShrink);
+    to_far_ = reciprocal * Wide(kGrow);
+    // By the sign bit of the reciprocal, -0 being downwards.
+    down_x_ = reciprocal.x < Wide(0.0f);
+    down_y_ = reciprocal.y < Wide(0.0f);
+    down_z_ = reciprocal.z < Wide(0.0f);
+  }
+
+  int octant(int lane) const {
+    return static_cast<int>((down_x_.bits() >> lane & 1u) | (down_y_.bits() >> lane & 1u) << 1 |
+                            (down_z_.bits() >> lane & 1u) << 2);
+  }
+
+  template <int width>
+  WideMask operator()(const Node<width>& node, int child, Wide t_min, Wide limit, Wide& near) const {
+    const Wide lower_x(node.planes[0][child]), upper_x(node.planes[1][child]);
+    const Wide lower_y(node.planes[2][child]), upper_y(node.planes[3][child]);
+    const Wide lower_z(node.planes[4][child]), upper_z(node.planes[5][child]);
+    const Wide x = (select(down_x_, upper_x, lower_x) - origin_.x) * to_near_.x;
+    const Wide y = (select(down_y_, upper_y, lower_y) - origin_.y) * to_near_.y;
+    const Wide z = (select(down_z_, upper_z, lower_z) - origin_.z) * to_near_.z;
+    const Wide far_x = (select(down_x_, lower_x, upper_x) - origin_.x) * to_far_.x;
+    const Wide far_y = (select(down_y_, lower_y, upper_y) - origin_.y) * to_far_.y;
+    const Wide far_z = (select(down_z_, lower_z, upper_z) - origin_.z) * to_far_.z;
+    near = greater(greater(x, y), greater(z, t_min));
+    return near <= lesser(lesser(far_x, far_y), lesser(far_z, limit));
+  }
+
+ private:
+  WideVec3 origin_, to_near_, to_far_;
+  WideMask down_x_, down_y_, down_z_;
+};
+
+/// The lanes whose rays may hit a sphere: conservative, since the line's distance from the centre, squared, errs
+/// by a few roundings of the centre's distance, squared. NaN and overflow count as perhaps.
+inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, const float (&sphere)[4]) {
+  const WideVec3 oc = origin - WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2]));
+  const Wide radius2(sphere[3] * sphere[3]);
+  const Wide a = dot(direction, direction);
+  const Wide distance2 = dot(oc, oc);
+  const WideVec3 moment = cross(oc, direction);
+  const WideMask passes = dot(moment, moment) > a * (radius2 * Wide(1.0f + 0x1p-18f) + Wide(0x1p-18f) * distance2);
+  // Outside, and leaving.
+  const WideMask leaves = (distance2 > radius2 * Wide(1.0f + 0x1p-16f)) & (dot(oc, direction) > Wide(0.0f)) &
+                          (Wide(0x1p-100f) < dot(oc, direction));
+  return !(passes | leaves);
+}
+
+/// intersect_sphere() operation by operation: the nearest t with t_min < t <= limit, in the lanes it gives.
+inline WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const float (&sphere)[4],
+                                Wide t_min, Wide limit, Wide& t) {
+  const WideDouble dx(direction.x), dy(direction.y), dz(direction.z);
+  const WideDouble ox = WideDouble(origin.x) - sphere[0];
+  const WideDouble oy = WideDouble(origin.y) - sphere[1];
+  const WideDouble oz = WideDouble(origin.z) - sphere[2];
+  const double radius = sphere[3];
+  const WideDouble a = dx * dx + dy * dy + dz * dz;
+  const WideDouble b = -(ox * dx + oy * dy + oz * dz);
+  const WideDouble mx = oy * dz - dy * oz, my = oz * dx - dz * ox, mz = ox * dy - dx * oy;
+  const WideDouble discriminant = WideDouble(radius * radius) * a - (mx * mx + my * my + mz * mz);
+  const WideDouble q = b + flipped_with(square_root(discriminant), b);
+  const Wide t0 = ((ox * ox + oy * oy + oz * oz - radius * radius) / q).to_float();
+  const Wide t1 = (q / a).to_float();
+  const WideMask meets = !(discriminant < WideDouble(0.0));
+  const Wide nearer = select(t0 < t1, t0, t1);
+  const Wide farther = select(t0 < t1, t1, t0);
+  const WideMask first = (t_min < nearer) & (nearer <= limit);
+  t = select(first, nearer, farther);
+  // Where q is 0 both roots are, and are not numbers here: no hit, since t_min is not negative.
+  return meets & (first | ((t_min < farther) & (farther <= limit)));
+}
+
+}  // namespace
+}  // namespace raylab::bvh

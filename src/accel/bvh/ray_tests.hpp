@@ -1,0 +1,264 @@
+#pragma once
+// One ray against the boxes of a node, and against the triangles of a block, over whatever vectors the including
+// file has chosen (simd_*.hpp). All of it is local to that file, and calls no inline function of a shared header:
+// see layout.hpp. No sum of products is contracted and the order of operations is the same for all instruction
+// sets, so all give the same hits, bit for bit.
+#include "kernel.hpp"
+
+namespace raylab::bvh {
+namespace {
+
+constexpr float kGrow = 1.0f + 0x1p-20f;
+constexpr float kShrink = 1.0f - 0x1p-20f;
+/// As in intersect.hpp, which see.
+constexpr float kTrustedSlope = 3.0f;
+constexpr float kTrustedSignSlope = 0x1p19f;
+constexpr double kDoubtfulFacing = 0x1p-20;
+constexpr float kBookSmallestDeterminant = 1e-8f;
+
+inline bool negative(float x) { return __builtin_signbit(x) != 0; }
+
+/// The slab test of a ray against all children of a node. A child is hit unless the ray certainly misses it: the
+/// near planes are taken a little nearer and the far planes a little farther than computed (Ize 2013, JCGT 2:2;
+/// the factors also cover the rounding of the triangle test). A direction of 0 has an infinite reciprocal; where
+/// that gives NaN, the origin is in the plane; then max and min drop that bound, or another of the same side too.
+template <class Vector>
+class BoxTest {
+ public:
+  static constexpr int width = Vector::lanes;
+
+  explicit BoxTest(const KernelRay& ray) : t_min_(Vector::splat(ray.t_min)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float reciprocal = 1.0f / ray.direction[axis];
+      origin_[axis] = Vector::splat(ray.origin[axis]);
+      to_near_[axis] = Vector::splat(reciprocal * kShrink);
+      to_far_[axis] = Vector::splat(reciprocal * kGrow);
+      const bool down = negative(ray.direction[axis]);
+      near_plane_[axis] = 2 * axis + (down ? 1 : 0);
+      octant_ |= (down ? 1 : 0) << axis;
+    }
+  }
+
+  int octant() const { return octant_; }
+
+  void operator()(const Node<width>& node, Vector limit, Vector& near, Vector& far) const {
+    const Vector x = plane(node, 0, 0) * to_near_[0];
+    const Vector y = plane(node, 1, 0) * to_near_[1];
+    const Vector z = plane(node, 2, 0) * to_near_[2];
+    const Vector far_x = plane(node, 0, 1) * to_far_[0];
+    const Vector far_y = plane(node, 1, 1) * to_far_[1];
+    const Vector far_z = plane(node, 2, 1) * to_far_[2];
+    near = max(max(x, y), max(z, t_min_));
+    far = min(min(far_x, far_y), min(far_z, limit));
+  }
+
+ private:
+  Vector plane(const Node<width>& node, int axis, int far) const {
+    return Vector::load(node.planes[near_plane_[axis] ^ far]) - origin_[axis];
+  }
+
+  Vector origin_[3], to_near_[3], to_far_[3];
+  Vector t_min_;
+  int near_plane_[3];
+  int octant_ = 0;
+};
+
+/// One ray against the triangles of a block: find() gives the lanes that may be hit, decide() whether one of them
+/// is, with t_min < t <= limit. Of the lanes found there is seldom more than one, so where vectors are short
+/// (kDividesAllLanes false) the distance is computed for those alone.
+template <Intersector kind>
+class BlockTest;
+
+/// As intersect_watertight does, operation by operation.
+template <>
+class BlockTest<Intersector::watertight> {
+ public:
+  explicit BlockTest(const KernelRay& ray) : ray_(ray) {
+    const float x = __builtin_fabsf(ray.direction[0]);
+    const float y = __builtin_fabsf(ray.direction[1]);
+    const float z = __builtin_fabsf(ray.direction[2]);
+    kz_ = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    kx_ = kz_ == 2 ? 0 : kz_ + 1;
+    ky_ = kx_ == 2 ? 0 : kx_ + 1;
+    direction_z_ = ray.direction[kz_];
+    if (direction_z_ < 0.0f) {
+      const int k = kx_;
+      kx_ = ky_;
+      ky_ = k;
+    }
+    shear_x_ = ray.direction[kx_] / direction_z_;
+    shear_y_ = ray.direction[ky_] / direction_z_;
+    origin_x_ = ray.origin[kx_];
+    origin_y_ = ray.origin[ky_];
+    origin_z_ = ray.origin[kz_];
+  }
+
+  /// The lanes whose edge functions do not differ in sign.
+  std::uint32_t find(const TriangleBlock& block, [[maybe_unused]] float limit) {
+    const Float16 zero = Float16::splat(0.0f);
+    const Float16 z = Float16::load(block.position[kz_]) - Float16::splat(origin_z_);
+    const Float16 x =
+        Float16::load(block.position[kx_]) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z;
+    const Float16 y =
+        Float16::load(block.position[ky_]) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z;
+    const Lookup16 at_a(block.corner[0]), at_b(block.corner[1]), at_c(block.corner[2]);
+    const Float16 ax = at_a(x), bx = at_b(x), cx = at_c(x);
+    const Float16 ay = at_a(y), by = at_b(y), cy = at_c(y);
+    const Float16 u = cx * by - cy * bx;
+    const Float16 v = ax * cy - ay * cx;
+    const Float16 w = bx * ay - by * ax;
+    const Float16 smallest = min(w, min(v, u));
+    const Float16 largest = max(w, max(v, u));
+    const std::uint32_t found = block.lanes & ~(less(smallest, zero) & less(zero, largest));
+    if (found == 0) return 0;
+    const Float16 xy = max(abs(x), abs(y));
+    if constexpr (!kDividesAllLanes) {
+      u.store(u_);
+      v.store(v_);
+      w.store(w_);
+      z.store(z_);
+      xy.store(xy_);
+      return found;
+    }
+    const Float16 det = u + v + w;
+    const Float16 az = at_a(z), bz = at_b(z), cz = at_c(z);
+    const Float16 inv_det = Float16::splat(1.0f) / det;
+    const Float16 beta = v * inv_det;
+    const Float16 gamma = w * inv_det;
+    const Float16 ab = bz - az, ac = cz - az;
+    const Float16 hit_z = az + beta * ab + gamma * ac;
+    const Float16 t = hit_z / Float16::splat(direction_z_);
+    const Float16 size = abs(det);
+    const Float16 xy_size = max(at_a(xy), max(at_b(xy), at_c(xy)));
+    const Float16 z_size = max(abs(az), max(abs(bz), abs(cz)));
+    const Float16 error = z_size * (max(abs(ab), abs(ac)) * xy_size);
+    const Float16 depth = abs(hit_z) * size;
+    const std::uint32_t precise = less(error, Float16::splat(kTrustedSlope) * depth) |
+                                  (less(t, zero) & less(error, Float16::splat(kTrustedSignSlope) * depth));
+    const std::uint32_t sure = less(Float16::splat(0x1p-100f), size) & less(size, Float16::splat(0x1p120f)) &
+                               ~equal(smallest, zero) & ~equal(largest, zero);
+    unsure_ = found & ~sure;
+    imprecise_ = found & ~precise;
+    t.store(t_);
+    beta.store(v_);
+    gamma.store(w_);
+    return unsure_ | imprecise_ |
+           (found & less(Float16::splat(ray_.t_min), t) & less_equal(t, Float16::splat(limit)));
+  }
+
+  bool decide(const TriangleBlock& block, int lane, float limit, KernelHit& hit) const {
+    if constexpr (kDividesAllLanes) {
+      if ((unsure_ >> lane & 1u) != 0) [[unlikely]]
+        return hit_triangle_again(block, lane, ray_, limit, hit);
+      hit = {t_[lane], v_[lane], w_[lane], block.first + static_cast<std::uint32_t>(lane)};
+      if ((imprecise_ >> lane & 1u) != 0) {
+        hit.t = plane_distance(block, lane, ray_, hit.t);
+        if (!(hit.t > ray_.t_min)) return false;
+      }
+      return hit.t <= limit;
+    }
+    const int a = block.corner[0][lane], b = block.corner[1][lane], c = block.corner[2][lane];
+    const float u = u_[lane], v = v_[lane], w = w_[lane];
+    const float det = u + v + w;
+    const float inv_det = 1.0f / det;
+    const float beta = v * inv_det;
+    const float gamma = w * inv_det;
+    const float ab = z_[b] - z_[a], ac = z_[c] - z_[a];
+    const float z = z_[a] + beta * ab + gamma * ac;
+    float t = z / direction_z_;
+    const float size = __builtin_fabsf(det);
+    // False for not a number, too.
+    const bool sure = (u != 0.0f) & (v != 0.0f) & (w != 0.0f) & (size > 0x1p-100f) & (size < 0x1p120f);
+    if (!sure) [[unlikely]]
+      return hit_triangle_again(block, lane, ray_, limit, hit);
+    const float xy_size = largest_of(xy_[a], xy_[b], xy_[c]);
+    const float z_size = largest_of(__builtin_fabsf(z_[a]), __builtin_fabsf(z_[b]), __builtin_fabsf(z_[c]));
+    const float error = z_size * (larger_of(__builtin_fabsf(ab), __builtin_fabsf(ac)) * xy_size);
+    const float depth = __builtin_fabsf(z) * size;
+    if (!(error < (t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth))
+      t = plane_distance(block, lane, ray_, t);
+    hit = {t, beta, gamma, block.first + static_cast<std::uint32_t>(lane)};
+    return (t > ray_.t_min) & (t <= limit);
+  }
+
+ private:
+  static float larger_of(float a, float b) { return a > b ? a : b; }
+  static float largest_of(float a, float b, float c) { return larger_of(larger_of(a, b), c); }
+
+  const KernelRay& ray_;
+  int kx_, ky_, kz_;
+  float origin_x_, origin_y_, origin_z_;
+  float shear_x_, shear_y_, direction_z_;
+  // Of the last block in which lanes were found, also those where float does not decide whether they are hit, or
+  // how far away. By lane the edge functions, or t, beta and gamma; by vertex z and max(|x|, |y|).
+  std::uint32_t unsure_, imprecise_;
+  alignas(64) float t_[kBlockSize];
+  alignas(64) float u_[kBlockSize];
+  alignas(64) float v_[kBlockSize];
+  alignas(64) float w_[kBlockSize];
+  alignas(64) float z_[kBlockSize];
+  alignas(64) float xy_[kBlockSize];
+};
+
+/// As intersect_moeller_trumbore does, operation by operation.
+template <Intersector kind>
+class BlockTest {
+ public:
+  explicit BlockTest(const KernelRay& ray) : ray_(ray) {}
+
+  std::uint32_t find(const TriangleBlock& block, float limit) {
+    constexpr float smallest_determinant = kind == Intersector::book ? kBookSmallestDeterminant : 0.0f;
+    const Float16 zero = Float16::splat(0.0f), one = Float16::splat(1.0f);
+    const Lookup16 at_a(block.corner[0]), at_b(block.corner[1]), at_c(block.corner[2]);
+    Float16 d[3], e1[3], e2[3], s[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float16 position = Float16::load(block.position[axis]);
+      const Float16 a = at_a(position);
+      e1[axis] = at_b(position) - a;
+      e2[axis] = at_c(position) - a;
+      s[axis] = Float16::splat(ray_.origin[axis]) - a;
+      d[axis] = Float16::splat(ray_.direction[axis]);
+    }
+    Float16 p[3], q[3];
+    cross(d, e2, p);
+    cross(s, e1, q);
+    const Float16 det = dot(e1, p);
+    const Float16 inv_det = one / det;
+    const Float16 u = dot(s, p) * inv_det;
+    const Float16 v = dot(d, q) * inv_det;
+    const Float16 t = dot(e2, q) * inv_det;
+    const std::uint32_t found = block.lanes & less(Float16::splat(smallest_determinant), abs(det)) &
+                                less_equal(zero, u) & less_equal(u, one) & less_equal(zero, v) &
+                                less_equal(u + v, one) & less(Float16::splat(ray_.t_min), t) &
+                                less_equal(t, Float16::splat(limit));
+    if (found != 0) {
+      t.store(t_);
+      u.store(u_);
+      v.store(v_);
+    }
+    return found;
+  }
+
+  bool decide(const TriangleBlock& block, int lane, float limit, KernelHit& hit) const {
+    hit = {t_[lane], u_[lane], v_[lane], block.first + static_cast<std::uint32_t>(lane)};
+    return hit.t <= limit;
+  }
+
+ private:
+  static Float16 dot(const Float16 (&a)[3], const Float16 (&b)[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  }
+  static void cross(const Float16 (&a)[3], const Float16 (&b)[3], Float16 (&out)[3]) {
+    out[0] = a[1] * b[2] - b[1] * a[2];
+    out[1] = a[2] * b[0] - b[2] * a[0];
+    out[2] = a[0] * b[1] - b[0] * a[1];
+  }
+
+  const KernelRay& ray_;
+  alignas(64) float t_[kBlockSize];
+  alignas(64) float u_[kBlockSize];
+  alignas(64) float v_[kBlockSize];
+};
+
+}  // namespace
+}  // namespace raylab::bvh
