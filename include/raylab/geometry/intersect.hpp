@@ -87,24 +87,25 @@ inline dvec3 triangle_normal(const Triangle& tri) {
   return glm::cross(dvec3(tri.p1) - p0, dvec3(tri.p2) - p0);
 }
 
-/// Below this share of the sizes of its terms the sine between ray and plane may be cancelled away, even in double.
+/// Below this share of the sizes of its terms the sine between ray and plane may be cancelled away, even in
+/// double.
 inline constexpr double kDoubtfulFacing = 0x1p-20;
 
-/// Distance to the plane of the triangle, in double from the vertices as they are; where the ray runs nearly along the
-/// plane, kept within the distances of the vertices, and `otherwise` where it runs along it.
-[[gnu::noinline]] inline float watertight_plane_distance(const WatertightRay& ray, const Triangle& tri,
-                                                         float otherwise) {
+/// Distance to the plane of the triangle, in double from the vertices as they are; where the ray runs nearly along
+/// the plane, kept within the distances of the vertices, and `otherwise` where it runs along it.
+[[gnu::noinline]] inline float watertight_plane_distance(const vec3& origin, const vec3& direction,
+                                                         const Triangle& tri, float otherwise) {
   const dvec3 n = triangle_normal(tri);
-  const dvec3 facings = dvec3(ray.direction) * n;
-  const dvec3 distances = (dvec3(tri.p0) - dvec3(ray.origin)) * n;
+  const dvec3 facings = dvec3(direction) * n;
+  const dvec3 distances = (dvec3(tri.p0) - dvec3(origin)) * n;
   const double facing = facings.x + facings.y + facings.z;
   double t = (distances.x + distances.y + distances.z) / facing;
   const dvec3 size = glm::abs(facings);
   if (!(std::abs(facing) > kDoubtfulFacing * (size.x + size.y + size.z))) [[unlikely]] {
     if (facing == 0.0) return otherwise;
-    const int k = ray.kz;
+    const int k = WatertightRay({origin, direction}).kz;
     const auto at_corner = [&](const vec3& p) {
-      return (static_cast<double>(p[k]) - static_cast<double>(ray.origin[k])) / static_cast<double>(ray.direction_z);
+      return (static_cast<double>(p[k]) - static_cast<double>(origin[k])) / static_cast<double>(direction[k]);
     };
     const double t0 = at_corner(tri.p0), t1 = at_corner(tri.p1), t2 = at_corner(tri.p2);
     t = std::clamp(t, std::min({t0, t1, t2}), std::max({t0, t1, t2}));
@@ -131,7 +132,7 @@ std::optional<TriangleHit> watertight_hit(const WatertightRay& ray, const Triang
   const Real error = Real(z_size) * (std::max(std::abs(ab), std::abs(ac)) * Real(xy_size));
   const Real depth = std::abs(z) * std::abs(det);
   if (!(error < Real(t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth))
-    t = watertight_plane_distance(ray, tri, t);
+    t = watertight_plane_distance(ray.origin, ray.direction, tri, t);
   if (!(t > t_min && t < t_max)) return std::nullopt;
   return TriangleHit{t, static_cast<float>(beta), static_cast<float>(gamma)};
 }

@@ -72,8 +72,9 @@ bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& r
 }
 
 float plane_distance(const TriangleBlock& block, int lane, const KernelRay& ray, float otherwise) noexcept {
-  return detail::watertight_plane_distance(WatertightRay(as_ray(ray, ray.limit)), triangle_of(block, lane),
-                                           otherwise);
+  return detail::watertight_plane_distance({ray.origin[0], ray.origin[1], ray.origin[2]},
+                                           {ray.direction[0], ray.direction[1], ray.direction[2]},
+                                           triangle_of(block, lane), otherwise);
 }
 
 void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept {
