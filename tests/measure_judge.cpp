@@ -1,4 +1,6 @@
 // The judge must count planted errors to the last one, and nothing that floats cannot decide.
+#include <array>
+
 #include "catch.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/judge.hpp"
@@ -162,6 +164,34 @@ TEST_CASE("rays lost at vertices are leaks, but at the vertices of a silhouette 
   CHECK(errors.hits == bench.rays.size());
   CHECK(errors.leaks.count == 0);
   CHECK(errors.undecided == bench.rays.size());
+}
+
+TEST_CASE("a ray from a floor to the corner of an open rim is undecided, not a leak", "[unit]") {
+  // A floor, a wall and a ceiling; the front at z = 0 is open. All rays around one to the corner at x = 0, y = 1
+  // that pass through the front do so further down, so beside it they would have to start below the floor.
+  Bench bench;
+  TriangleMesh room{{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}},
+                    {},
+                    {},
+                    {},
+                    {},
+                    {}};
+  for (const auto& [a, b, c, d] :
+       std::initializer_list<std::array<std::uint32_t, 4>>{{0, 1, 2, 3}, {0, 3, 7, 4}, {4, 5, 6, 7}}) {
+    room.triangles.emplace_back(a, b, c);
+    room.triangles.emplace_back(a, c, d);
+  }
+  bench.geometry = {{room}, {}};
+  bench.exact = make_accelerator("exact", bench.geometry);
+  const vec3 origin(0.03125f, 0.0f, 0.34375f);
+  bench.rays = {{origin, vec3(0, 1, 0) - origin}};
+  const HitErrors errors = bench.judge(kDrop);
+  CHECK(errors.hits == 1);
+  CHECK(errors.leaks.count == 0);
+  CHECK(errors.undecided == 1);
+  // Just inside the corner it is a leak.
+  bench.rays = {{origin, vec3(0.0f, 0.75f, 0.25f) - origin}};
+  CHECK(bench.judge(kDrop).leaks.count == 1);
 }
 
 TEST_CASE("the judge's report does not depend on the number of threads", "[unit]") {

@@ -19,8 +19,9 @@ float largest_coordinate(const Ray& ray, const Geometry& geometry, const Primiti
   return max_component(glm::max(glm::abs(ray.origin), glm::max(glm::abs(b.lower), glm::abs(b.upper))));
 }
 
-/// Eight rays parallel to the given one, evenly spaced around it.
-std::array<Ray, 8> rays_around(const Ray& ray, float distance) {
+/// Eight rays from the same origin, which pass evenly spaced around the point at t. From the same origin, since
+/// beside it they could start behind another surface: a ray from the floor, below the floor.
+std::array<Ray, 8> rays_around(const Ray& ray, float t, float distance) {
   const dvec3 d = dvec3(ray.direction) / static_cast<double>(max_component(glm::abs(ray.direction)));
   const dvec3 a = glm::abs(d);
   const dvec3 axis(a.x <= a.y && a.x <= a.z, a.y < a.x && a.y <= a.z, a.z < a.x && a.z < a.y);
@@ -31,7 +32,7 @@ std::array<Ray, 8> rays_around(const Ray& ray, float distance) {
     const double angle = 0.25 * static_cast<double>(kPi) * static_cast<double>(i);
     const dvec3 offset = static_cast<double>(distance) * (std::cos(angle) * e1 + std::sin(angle) * e2);
     around[i] = ray;
-    around[i].origin = vec3(dvec3(ray.origin) + offset);
+    around[i].direction = vec3(dvec3(ray.direction) + offset / static_cast<double>(t));
   }
   return around;
 }
@@ -42,7 +43,7 @@ bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, const
                        float passed_to) {
   const float largest = largest_coordinate(ray, geometry, {hit.geometry, hit.primitive});
   const float ulp = std::max(next_float_up(largest) - largest, std::numeric_limits<float>::min());
-  for (Ray neighbour : rays_around(ray, kAroundUlp * ulp)) {
+  for (Ray neighbour : rays_around(ray, hit.t, kAroundUlp * ulp)) {
     neighbour.t_max = std::min(neighbour.t_max, passed_to);
     if (!exact.occluded(neighbour)) return false;
   }
