@@ -1,12 +1,6 @@
 // `embree` and `embree-robust`: Intel Embree 3 or 4, the same source for both.
 // Triangles are Embree's own. Spheres are ours, by callback: Embree's have no stable roots and miss the ground
 // sphere of radius 1e6 by 13% of the distance.
-#if RAYLAB_EMBREE_MAJOR >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
 #include <cctype>
@@ -14,77 +8,15 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
-#include <type_traits>
 
 #include "backends.hpp"
+#include "embree_api.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
 
 namespace {
-
-struct DeviceRelease {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct SceneRelease {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-struct GeometryRelease {
-  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
-};
-using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, DeviceRelease>;
-using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneRelease>;
-using EmbreeGeometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, GeometryRelease>;
-
-// The last argument that Embree 4 takes and the context that Embree 3 takes, for queries of one ray and of packets.
-#if RAYLAB_EMBREE_MAJOR >= 4
-#define RAYLAB_EMBREE_QUERY(name, Query)                                                        \
-  void embree_query(RTCScene scene, Query& query) { rtc##name##1(scene, &query, nullptr); }
-#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                    \
-  void embree_query(const int* valid, RTCScene scene, Query& query) { rtc##name##N(valid, scene, &query, nullptr); }
-#else
-#define RAYLAB_EMBREE_QUERY(name, Query)                                                        \
-  void embree_query(RTCScene scene, Query& query) {                                             \
-    RTCIntersectContext context;                                                                \
-    rtcInitIntersectContext(&context);                                                          \
-    rtc##name##1(scene, &context, &query);                                                      \
-  }
-#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                    \
-  void embree_query(const int* valid, RTCScene scene, Query& query) {                           \
-    RTCIntersectContext context;                                                                \
-    rtcInitIntersectContext(&context);                                                          \
-    rtc##name##N(valid, scene, &context, &query);                                               \
-  }
-#endif
-RAYLAB_EMBREE_QUERY(Intersect, RTCRayHit)
-RAYLAB_EMBREE_QUERY(Occluded, RTCRay)
-RAYLAB_EMBREE_PACKET(Intersect, 4, RTCRayHit4)
-RAYLAB_EMBREE_PACKET(Occluded, 4, RTCRay4)
-RAYLAB_EMBREE_PACKET(Intersect, 8, RTCRayHit8)
-RAYLAB_EMBREE_PACKET(Occluded, 8, RTCRay8)
-RAYLAB_EMBREE_PACKET(Intersect, 16, RTCRayHit16)
-RAYLAB_EMBREE_PACKET(Occluded, 16, RTCRay16)
-#undef RAYLAB_EMBREE_QUERY
-#undef RAYLAB_EMBREE_PACKET
-
-template <int n>
-struct PacketTypes;
-template <>
-struct PacketTypes<4> {
-  using Ray = RTCRay4;
-  using RayHit = RTCRayHit4;
-};
-template <>
-struct PacketTypes<8> {
-  using Ray = RTCRay8;
-  using RayHit = RTCRayHit8;
-};
-template <>
-struct PacketTypes<16> {
-  using Ray = RTCRay16;
-  using RayHit = RTCRayHit16;
-};
 
 /// Largest and smallest length (of the largest component) that a direction may have without being rescaled:
 /// Embree takes components below 1e-18 for 1e-18 in its box tests.
@@ -247,7 +179,8 @@ class Embree final : public Accelerator {
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree_query(scene_.get(), query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return to_hit(query.ray.tfar, tnear, tfar, scale, query.hit.u, query.hit.v, query.hit.geomID, query.hit.primID);
+    return to_hit(query.ray.tfar, tnear, tfar, scale, query.hit.u, query.hit.v, query.hit.geomID,
+                  query.hit.primID);
   }
 
   bool occluded(const Ray& ray) const noexcept override {
@@ -303,8 +236,9 @@ class Embree final : public Accelerator {
       }
       embree_query(valid, scene_.get(), query);
       for (int i = 0; i < count; ++i) {
-        hits.set(first + static_cast<std::size_t>(i), to_hit(query.ray.tfar[i], tnear[i], tfar[i], scale[i], query.hit.u[i],
-                                                             query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
+        hits.set(first + static_cast<std::size_t>(i),
+                 to_hit(query.ray.tfar[i], tnear[i], tfar[i], scale[i], query.hit.u[i], query.hit.v[i],
+                        query.hit.geomID[i], query.hit.primID[i]));
       }
     }
   }
