@@ -1,24 +1,16 @@
 #pragma once
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "options.hpp"
 #include "raylab/render/render_session.hpp"
 #include "raylab/scene/scene.hpp"
 
 namespace raylab {
 
 /// The command line of raylab-preview.
-struct PreviewCommand {
-  std::string scene;
-  std::string accel = "bvh";
-  std::string integrator = "path";
-  std::string sampler = "sobol";
+struct PreviewCommand : PictureCommand {
   std::string view = "raster";
-  std::optional<int> spp, width, height, max_depth;
-  std::uint32_t seed = 0;
-  int threads = 0;
-  std::vector<std::string> overrides;
   std::string script;
   std::optional<int> frames;
   std::string screenshot;

@@ -33,6 +33,39 @@ std::string command_line(const std::string& program, int argc, char** argv) {
   return line;
 }
 
+void add_picture_options(CLI::App& app, PictureCommand& command) {
+  app.add_option("--accel", command.accel, "Accelerator by name, see raylab-render --list-accels")
+      ->capture_default_str();
+  app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
+  app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
+  app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
+  app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio");
+  app.add_option("--height", command.height, "Height in pixels; alone, it keeps the scene's aspect ratio");
+  app.add_option("--max-depth", command.max_depth, "Path segments, the camera ray included");
+  app.add_option("--seed", command.seed, "Seed of all random numbers")->capture_default_str();
+  app.add_option("--threads", command.threads, "Threads for building and rendering; 0: all")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  app.add_option("--set", command.overrides, "KEY=VALUE for any key of the scene file; repeatable")
+      ->allow_extra_args(false);
+}
+
+bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::ParseError& e) {
+    const bool asked = e.get_exit_code() == 0;  // --help or --version
+    if (asked) {
+      exit_code = app.exit(e);
+    } else {
+      std::fprintf(stderr, "%s: %s\nRun with --help for the options.\n", app.get_name().c_str(), e.what());
+      exit_code = static_cast<int>(ErrorKind::usage);
+    }
+    return false;
+  }
+}
+
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code) {
   RenderCommand command;
   command.command_line = command_line("raylab-render", argc, argv);
@@ -44,15 +77,13 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("-o,--output", command.outputs,
                  "Picture to write, .exr or .png; repeatable (default: the scene's name with .exr)")
       ->allow_extra_args(false);
-  app.add_option("--accel", command.accel, "Accelerator by name, see --list-accels")->capture_default_str();
+  add_picture_options(app, command);
   app.add_option("--intersector", command.intersector,
                  "Triangle test of the hand-written accelerators: book, fast or watertight");
   app.add_option("--bvh-quality", command.bvh_quality,
                  "Builder of bvh: fast, balanced or best (so far the tree of balanced)");
   app.add_option("--isa", command.isa,
                  "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
-  app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
-  app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
   app.add_option("--ray-offset", command.ray_offset,
                  "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")
       ->check(CLI::IsMember({"bounds", "book"}))
@@ -60,22 +91,12 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--needs", command.needs, "Store and branch on what the scene needs, or on all there is")
       ->check(CLI::IsMember({"scene", "all"}))
       ->capture_default_str();
-  app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
-  app.add_option("--width", command.width, "Picture width in pixels; alone, it keeps the scene's aspect ratio");
-  app.add_option("--height", command.height, "Picture height in pixels; alone, it keeps the scene's aspect ratio");
-  app.add_option("--max-depth", command.max_depth, "Path segments, the camera ray included");
-  app.add_option("--seed", command.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--first-sample", command.first_sample, "Index of the first sample taken of each pixel")
-      ->capture_default_str();
-  app.add_option("--threads", command.threads, "Threads for building and rendering; 0: all")
-      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   app.add_option("--tile-size", command.tile_size, "Tile size in pixels; changes no result")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.add_option("--crop", command.crop, "Render only X,Y,WIDTH,HEIGHT (pixels from the upper left)");
-  app.add_option("--set", command.overrides, "KEY=VALUE for any key of the scene file; repeatable")
-      ->allow_extra_args(false);
   app.add_option("--layers", command.layers,
                  "EXR layers beside the picture, comma separated: albedo, normal, depth, variance, samples")
       ->delimiter(',')
@@ -95,18 +116,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_flag("--list-accels", command.list_accels, "List the accelerators");
   app.add_flag("-q,--quiet", command.quiet, "Print nothing but errors");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    const bool asked = e.get_exit_code() == 0;  // --help or --version
-    if (asked) {
-      exit_code = app.exit(e);
-    } else {
-      std::fprintf(stderr, "raylab-render: %s\nRun with --help for the options.\n", e.what());
-      exit_code = static_cast<int>(ErrorKind::usage);
-    }
-    return std::nullopt;
-  }
+  if (!parse_or_tell(app, argc, argv, exit_code)) return std::nullopt;
   command.progress = progress_names.at(progress);
   if (command.quiet && command.progress == ProgressKind::automatic) command.progress = ProgressKind::none;
   if (command.scene.empty() && !command.list_accels) {

@@ -7,27 +7,41 @@
 #include "progress.hpp"
 #include "raylab/render/render_session.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace raylab {
 
-/// The command line of raylab-render.
-struct RenderCommand {
+/// What raylab-render and raylab-preview both take: a scene, and how its picture is made.
+struct PictureCommand {
   std::string scene;
-  std::vector<std::string> outputs;
   std::string accel = "bvh";
+  std::string integrator = "path";
+  std::string sampler = "sobol";
+  std::optional<int> spp, width, height, max_depth;
+  std::uint32_t seed = 0;
+  int threads = 0;
+  std::vector<std::string> overrides;
+};
+
+/// Adds the options of all that but the scene.
+void add_picture_options(CLI::App& app, PictureCommand& command);
+
+/// Parses argv. False where there is nothing left to do: --help and --version, or a mistake, which is told.
+bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
+
+/// The command line of raylab-render.
+struct RenderCommand : PictureCommand {
+  std::vector<std::string> outputs;
   std::string intersector;
   std::string bvh_quality;
   std::string isa;
-  std::string integrator = "path";
-  std::string sampler = "sobol";
   std::string ray_offset = "bounds";
   std::string needs = "scene";
-  std::optional<int> spp, width, height, max_depth;
-  std::uint32_t seed = 0;
   std::uint32_t first_sample = 0;
-  int threads = 0;
   int tile_size = 16;
   std::string crop;
-  std::vector<std::string> overrides;
   std::vector<std::string> layers;
   std::string stats_file;
   ProgressKind progress = ProgressKind::automatic;
