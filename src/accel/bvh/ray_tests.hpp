@@ -10,10 +10,9 @@ namespace {
 
 constexpr float kGrow = 1.0f + 0x1p-20f;
 constexpr float kShrink = 1.0f - 0x1p-20f;
-/// As in intersect.hpp, which see.
-constexpr float kTrustedSlope = 3.0f;
-constexpr float kTrustedSignSlope = 0x1p19f;
-constexpr double kDoubtfulFacing = 0x1p-20;
+using detail::kDoubtfulFacing;
+using detail::kTrustedSignSlope;
+using detail::kTrustedSlope;
 constexpr float kBookSmallestDeterminant = 1e-8f;
 
 inline bool negative(float x) { return __builtin_signbit(x) != 0; }
