@@ -31,7 +31,7 @@ struct Library {
   std::vector<const char*> places;  ///< starts of paths from the top
 };
 const Library kLibraries[] = {
-    {"embree", {"src/accel/embree.cpp"}},
+    {"embree", {"src/accel/embree"}},
     {"tbb/", {"src/core/"}},
     {"oneapi/tbb", {"src/core/"}},
     {"GLFW/", {"apps/preview/"}},
