@@ -1,11 +1,10 @@
 #include "mitsuba.hpp"
 
-#include <stdlib.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/scratch_folder.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/render/integrator.hpp"
 #include "subprocess.hpp"
@@ -18,26 +17,6 @@ namespace {
 
 const std::string kAdapter = RAYLAB_SOURCE_DIR "/bench/peers/mitsuba_render.py";
 constexpr const char* kVariant = "llvm_ad_rgb";
-
-/// A new empty folder, removed with what is in it.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "raylab-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error(ErrorKind::output, name, "cannot be made");
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 }  // namespace
 
@@ -52,7 +31,7 @@ std::string why_no_mitsuba(const std::string& python) {
 
 PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene_file,
                              const RenderOptions& options, int threads, int runs) {
-  const Scratch scratch;
+  const ScratchFolder scratch("raylab-bench");
   const auto picture = [&](int run) { return scratch / (std::to_string(options.seed + run) + ".exr"); };
   const fs::path json = scratch / "result.json";
   const int exit_code = run_program({python,
