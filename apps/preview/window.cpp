@@ -87,11 +87,24 @@ std::optional<Key> key_of(int key) {
 
 Window& window_of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
 
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
 bool hud_has_mouse() { return ImGui::GetCurrentContext() != nullptr && ImGui::GetIO().WantCaptureMouse; }
 
 }  // namespace
 
 WindowSystem::WindowSystem() {
+  const bool x11 = is_set("DISPLAY"), wayland = is_set("WAYLAND_DISPLAY");
+  if (!x11 && !wayland) {
+    throw Error(ErrorKind::failure, "", "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");
+  }
+#ifdef GLFW_PLATFORM
+  // GLFW 3.4 tries Wayland first, whose library complains on the error stream where it finds no session.
+  if (!wayland) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() != GLFW_TRUE)
     throw Error(ErrorKind::failure, "", "there is no display (" + last_glfw_error() + ")");
 }
