@@ -194,6 +194,32 @@ TEST_CASE("a ray from a floor to the corner of an open rim is undecided, not a l
   CHECK(bench.judge(kDrop).leaks.count == 1);
 }
 
+TEST_CASE("a ray lost that starts as near to the wall as floats can tell is a leak like any other", "[unit]") {
+  Bench bench;
+  const float s = 0x1p50f;
+  bench.geometry = {{{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}, {0, 0, s}},
+                      {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}},
+                      {},
+                      {},
+                      {},
+                      {}}},
+                    {}};
+  bench.exact = make_accelerator("exact", bench.geometry);
+  bench.rays.clear();
+  for (const float length : {0x1p-60f, 1.0f, 0x1p20f}) {
+    bench.rays.push_back({vec3(0.25f * s, 0.25f * s, 0x1p-105f), vec3(0, 0, -length)});
+  }
+  int not_finite = 0;
+  const Mutant watched(*bench.exact, [&](const Ray& ray, const std::optional<Hit>& hit) {
+    not_finite += !is_finite(ray.direction);
+    return hit;
+  });
+  const HitErrors errors =
+      judge_hits(bench.geometry, Mutant(*bench.exact, kDrop), watched, bench.rays, Surface::closed);
+  CHECK(errors.leaks.count == 3);
+  CHECK(not_finite == 0);
+}
+
 TEST_CASE("the judge's report does not depend on the number of threads", "[unit]") {
   const Bench bench;
   const auto report = [&](int threads) {

@@ -19,32 +19,34 @@ float largest_coordinate(const Ray& ray, const Geometry& geometry, const Primiti
   return max_component(glm::max(glm::abs(ray.origin), glm::max(glm::abs(b.lower), glm::abs(b.upper))));
 }
 
-/// Eight rays from the same origin, which pass evenly spaced around the point at t. From the same origin, since
-/// beside it they could start behind another surface: a ray from the floor, below the floor.
+/// Eight rays from the same origin, which pass evenly spaced around the point at t, where their own t is 1. From the
+/// same origin, since beside it they could start behind another surface: a ray from the floor, below the floor. In
+/// units of t, since with a t near 0 the direction to a point beside it would overflow.
 std::array<Ray, 8> rays_around(const Ray& ray, float t, float distance) {
   const dvec3 d = dvec3(ray.direction) / static_cast<double>(max_component(glm::abs(ray.direction)));
   const dvec3 a = glm::abs(d);
   const dvec3 axis(a.x <= a.y && a.x <= a.z, a.y < a.x && a.y <= a.z, a.z < a.x && a.z < a.y);
   const dvec3 e1 = glm::normalize(glm::cross(d, axis));
   const dvec3 e2 = glm::normalize(glm::cross(d, e1));
+  const double unit = t;
   std::array<Ray, 8> around;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const double angle = 0.25 * static_cast<double>(kPi) * static_cast<double>(i);
     const dvec3 offset = static_cast<double>(distance) * (std::cos(angle) * e1 + std::sin(angle) * e2);
-    around[i] = ray;
-    around[i].direction = vec3(dvec3(ray.direction) + offset / static_cast<double>(t));
+    around[i] = {ray.origin, vec3(dvec3(ray.direction) * unit + offset), static_cast<float>(ray.t_min / unit),
+                 static_cast<float>(ray.t_max / unit)};
   }
   return around;
 }
 
 /// Whether the surface stops the rays around this one too, before `passed_to`. At a silhouette it does not, and
 /// whether the ray itself is stopped is a matter of rounding.
-bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, const Ray& ray, const Hit& hit,
+bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, Ray ray, const Hit& hit,
                        float passed_to) {
   const float largest = largest_coordinate(ray, geometry, {hit.geometry, hit.primitive});
   const float ulp = std::max(next_float_up(largest) - largest, std::numeric_limits<float>::min());
-  for (Ray neighbour : rays_around(ray, hit.t, kAroundUlp * ulp)) {
-    neighbour.t_max = std::min(neighbour.t_max, passed_to);
+  ray.t_max = std::min(ray.t_max, passed_to);
+  for (const Ray& neighbour : rays_around(ray, hit.t, kAroundUlp * ulp)) {
     if (!exact.occluded(neighbour)) return false;
   }
   return true;
