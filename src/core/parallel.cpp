@@ -8,8 +8,8 @@
 
 #include <atomic>
 
-// The thread sanitizer does not see how TBB's library hands work from thread to thread, so it is told here. This file
-// itself is left out of its view (see CMakeLists.txt), and with it TBB's headers.
+// The thread sanitizer does not see how TBB's library hands work from thread to thread, so it is told here. This
+// file itself is left out of its view (see CMakeLists.txt), and with it TBB's headers.
 #ifdef RAYLAB_SANITIZE_THREAD
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
@@ -32,13 +32,18 @@ class Handover {
 
   template <class Work>
   void run(const Work& work) {
+    const Done done{*this};
     acquire(begun_);
     const FlushDenormals flush;
     work();
-    release(done_);
   }
 
  private:
+  struct Done {
+    Handover& handover;
+    ~Done() { release(handover.done_); }
+  };
+
 #ifdef RAYLAB_SANITIZE_THREAD
   static void acquire(char& place) { __tsan_acquire(&place); }
   static void release(char& place) { __tsan_release(&place); }
