@@ -10,6 +10,7 @@
 #include "layout.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
+#include "reinsertion.hpp"
 
 namespace raylab::bvh {
 
@@ -115,6 +116,7 @@ class Builder {
       all.centers.extend(center(p));
     }
     build(0, all, 1);
+    tree_.nodes.shrink(next_node_);
   }
 
  private:
@@ -355,6 +357,7 @@ class Builder {
 BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality) {
   BinaryTree tree;
   Builder(geometry, quality, tree).run();
+  if (quality == BvhQuality::best) reinsert_subtrees(tree);
   return tree;
 }
 

@@ -39,7 +39,7 @@ float half_area(const Box& box) {
 
 struct BinaryTree {
   HugeArray<Primitive> primitives;  ///< the valid ones, in the order of the leaves
-  HugeArray<BinaryNode> nodes;      ///< the root first; none without primitives
+  HugeArray<BinaryNode> nodes;      ///< the root first, children after their parents; none without primitives
 };
 
 /// The tree does not depend on the number of threads. A leaf is one sphere, or triangles that fit a

@@ -14,30 +14,55 @@ namespace {
 
 constexpr int kWidth = 8;
 
+/// How a binary subtree is best covered by the lanes of a wide node, for each number of them: so that the areas of
+/// all wide nodes and leaves, which are what the surface area heuristic expects a ray to meet, are least together.
+struct Cover {
+  double area[kWidth];            ///< [k]: that of the subtree's wide nodes and leaves if it has k lanes, k >= 1
+  std::uint8_t left[kWidth + 1];  ///< [k]: of k lanes those that go to the left child; 0: one lane takes it all.
+                                  ///< [kWidth]: as a wide node of its own
+};
+
+/// By dynamic programming from the leaves up, after Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray
+/// Traversal on GPUs Through Compressed Wide BVHs", section 3.1.
+std::vector<Cover> best_covers(const HugeArray<BinaryNode>& nodes) {
+  std::vector<Cover> covers(nodes.size());
+  for (std::size_t i = nodes.size(); i-- > 0;) {  // children come after their parents
+    const BinaryNode& node = nodes[i];
+    Cover& cover = covers[i];
+    cover = {};
+    cover.area[1] = half_area(node);
+    if (!node.is_leaf()) {
+      const Cover& l = covers[node.first];
+      const Cover& r = covers[node.first + 1];
+      double split[kWidth + 1];
+      for (int k = 2; k <= kWidth; ++k) {
+        split[k] = l.area[1] + r.area[k - 1];
+        cover.left[k] = 1;
+        for (int i = 2; i < k; ++i) {
+          const double area = l.area[i] + r.area[k - i];
+          if (area >= split[k]) continue;
+          split[k] = area;
+          cover.left[k] = static_cast<std::uint8_t>(i);
+        }
+      }
+      cover.area[1] += split[kWidth];
+      for (int k = 2; k < kWidth; ++k) {
+        cover.area[k] = std::min(split[k], cover.area[1]);
+        if (split[k] >= cover.area[1]) cover.left[k] = 0;
+      }
+    } else {
+      std::fill(cover.area + 2, std::end(cover.area), cover.area[1]);
+    }
+  }
+  return covers;
+}
+
 /// The top of a binary subtree, as many levels of it as one wide node takes in.
 class Treelet {
  public:
-  /// Opens the child of the largest area until there are enough or none is left to open.
-  Treelet(const BinaryNode* nodes, std::uint32_t root) : nodes_(nodes) {
+  Treelet(const BinaryNode* nodes, const std::vector<Cover>& covers, std::uint32_t root) : nodes_(nodes) {
     parts_[0] = {root, 0};
-    size_ = 1;
-    for (int children = 1; children < kWidth; ++children) {
-      int largest = -1;
-      float largest_area = -1.0f;
-      for (int i = 0; i < size_; ++i) {
-        if (parts_[i].left != 0 || node(i).is_leaf()) continue;
-        const float area = half_area(node(i));
-        if (area > largest_area) {
-          largest_area = area;
-          largest = i;
-        }
-      }
-      if (largest < 0) break;
-      const std::uint32_t child = node(largest).first;
-      parts_[largest].left = size_;
-      parts_[size_++] = {child, 0};
-      parts_[size_++] = {child + 1, 0};
-    }
+    open(covers, 0, kWidth);
     number(0);
   }
 
@@ -62,6 +87,18 @@ class Treelet {
   };
 
   const BinaryNode& node(int part) const { return nodes_[parts_[part].node]; }
+
+  void open(const std::vector<Cover>& covers, int part, int lanes) {
+    const int left_lanes = covers[parts_[part].node].left[lanes];
+    if (left_lanes == 0) return;
+    const std::uint32_t child = node(part).first;
+    const int left = size_;
+    parts_[part].left = left;
+    parts_[size_++] = {child, 0};
+    parts_[size_++] = {child + 1, 0};
+    open(covers, left, left_lanes);
+    open(covers, left + 1, lanes - left_lanes);
+  }
 
   void number(int part) {
     if (parts_[part].left == 0) {
@@ -93,7 +130,7 @@ class Treelet {
 
   const BinaryNode* nodes_;
   std::array<Part, 2 * kWidth - 1> parts_;
-  int size_ = 0;
+  int size_ = 1;
   std::array<std::uint32_t, kWidth> child_;
   int children_ = 0;
 };
@@ -119,6 +156,7 @@ class Widener {
       tree_.items = HugeArray<Item>(item_count_);
       if (!is_sphere(root)) fill_block(root, *new (&tree_.items[0]) TriangleBlock());
     } else {
+      covers_ = best_covers(binary_.nodes);
       tree_.root = child_ref(root, item_count_);
       plan();
       fill();
@@ -154,7 +192,7 @@ class Widener {
       Plan& plan = plans_[wide];
       area += half_area(binary_.nodes[plan.binary]);
       tree_.depth = std::max(tree_.depth, depth + 1);
-      const Treelet treelet(binary_.nodes.data(), plan.binary);
+      const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
       plan.first_child = item_count_;
       const auto first_entry = static_cast<std::ptrdiff_t>(stack.size());
       for (int i = 0; i < treelet.children(); ++i) {
@@ -187,7 +225,7 @@ class Widener {
   }
 
   void fill_node(const Plan& plan, Node<kWidth>& node) {
-    const Treelet treelet(binary_.nodes.data(), plan.binary);
+    const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
     std::uint32_t next_item = plan.first_child;
     for (int lane = 0; lane < kWidth; ++lane) {
       if (lane >= treelet.children()) {
@@ -236,6 +274,7 @@ class Widener {
 
   const Geometry& geometry_;
   BinaryTree binary_;
+  std::vector<Cover> covers_;
   WideTree tree_;
   std::vector<Plan> plans_;
   std::uint32_t item_count_ = 0;

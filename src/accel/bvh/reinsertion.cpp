@@ -1,0 +1,204 @@
+#include "reinsertion.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "layout.hpp"
+#include "raylab/core/parallel.hpp"
+
+namespace raylab::bvh {
+
+namespace {
+
+constexpr std::size_t kChunk = 256;
+constexpr int kMostRounds = 12;
+/// Rounds go on while one lowers the sum of areas by more than this part of it.
+constexpr double kWorthARound = 0.002;
+
+struct Box {
+  vec3 lower, upper;
+};
+
+/// In double, where no box of floats is too small or too large for it.
+template <class AnyBox>
+double area_of(const AnyBox& box) {
+  const dvec3 d = dvec3(box.upper) - dvec3(box.lower);
+  return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+template <class A, class B>
+Box joined(const A& a, const B& b) {
+  return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
+}
+
+/// A subtree that might move, and how much smaller the sum of areas would be.
+struct Move {
+  std::uint32_t node = 0;
+  std::uint32_t beside = 0;  ///< its new sibling
+  double gain = 0.0;
+};
+
+/// Siblings are stored side by side from index 1 on, so what is known of both of a pair has one place.
+std::uint32_t pair_of(std::uint32_t node) { return (node - 1) / 2; }
+std::uint32_t sibling_of(std::uint32_t node) { return ((node - 1) ^ 1u) + 1; }
+
+class Optimizer {
+ public:
+  explicit Optimizer(const BinaryTree& tree) : nodes_(numbered(tree.nodes[0], tree.nodes.data())) {
+    parents_.resize(nodes_.size() / 2);
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) put(i, nodes_[i]);
+  }
+
+  void run() {
+    double before = refit();
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<BinaryNode> nodes = nodes_;
+      const std::vector<std::uint32_t> parents = parents_;
+      apply(find_moves());
+      const double after = refit();
+      if (!(after < before)) {
+        nodes_ = nodes;
+        parents_ = parents;
+        return;
+      }
+      if (before - after < kWorthARound * before) return;
+      before = after;
+    }
+  }
+
+  void write(BinaryTree& tree) const {
+    const std::vector<BinaryNode> nodes = numbered(nodes_[0], nodes_.data());
+    std::copy(nodes.begin(), nodes.end(), tree.nodes.begin());
+  }
+
+ private:
+  /// The nodes numbered from the root down, level by level, which does not depend on how they were.
+  static std::vector<BinaryNode> numbered(const BinaryNode& root, const BinaryNode* from) {
+    std::vector<BinaryNode> nodes{root};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (nodes[i].is_leaf()) continue;
+      const std::uint32_t child = nodes[i].first;
+      nodes[i].first = static_cast<std::uint32_t>(nodes.size());
+      nodes.insert(nodes.end(), {from[child], from[child + 1]});
+    }
+    return nodes;
+  }
+
+  std::uint32_t parent_of(std::uint32_t node) const { return parents_[pair_of(node)]; }
+
+  /// Boxes of the inner nodes from those of the leaves, Returns the sum of the inner nodes' areas, infinity where
+  /// the tree is too deep.
+  double refit(std::uint32_t index = 0, int depth = 1) {
+    BinaryNode& node = nodes_[index];
+    if (node.is_leaf()) return 0.0;
+    if (depth > kMaxDepth) return kInfinity;  // will be taken back
+    const double below = refit(node.first, depth + 1) + refit(node.first + 1, depth + 1);
+    const Box box = joined(nodes_[node.first], nodes_[node.first + 1]);
+    node.lower = box.lower;
+    node.upper = box.upper;
+    return below + area_of(box);
+  }
+
+  std::vector<Move> find_moves() const {
+    std::vector<Move> moves(nodes_.size());
+    parallel_for((nodes_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      std::vector<std::pair<double, std::uint32_t>> stack;
+      const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(nodes_.size(), (chunk + 1) * kChunk));
+      for (auto i = static_cast<std::uint32_t>(chunk * kChunk); i < end; ++i) moves[i] = find_move(i, stack);
+    });
+    std::erase_if(moves, [](const Move& m) { return !(m.gain > 0.0); });
+    std::sort(moves.begin(), moves.end(),
+              [](const Move& a, const Move& b) { return a.gain != b.gain ? a.gain > b.gain : a.node < b.node; });
+    return moves;
+  }
+
+  /// The best new place for a node. Taking it out saves its parent, and shrinks the boxes above; putting it in
+  /// beside another adds their common box, and grows those between that and the path upwards. All nodes beside the
+  /// path are searched, except below one where what is saved less what has already grown cannot pay for the node's
+  /// own area, which the common box has at least.
+  Move find_move(std::uint32_t node, std::vector<std::pair<double, std::uint32_t>>& stack) const {
+    Move best{node, 0, 0.0};
+    if (node == 0) return best;
+    const double own = area_of(nodes_[node]);
+    const std::uint32_t parent = parent_of(node);
+    double saved = area_of(nodes_[parent]);
+    std::uint32_t beside = sibling_of(node);
+    std::uint32_t above = parent;
+    Box without{nodes_[beside].lower, nodes_[beside].upper};  // `above`, once the node is out
+    for (;;) {
+      stack.emplace_back(saved, beside);
+      while (!stack.empty()) {
+        const auto [left, candidate] = stack.back();
+        stack.pop_back();
+        if (left - own <= best.gain) continue;
+        const BinaryNode& other = nodes_[candidate];
+        const double gain = left - area_of(joined(other, nodes_[node]));
+        if (gain > best.gain && candidate != sibling_of(node)) best = {node, candidate, gain};
+        if (other.is_leaf()) continue;
+        const double left_below = gain + area_of(other);
+        if (left_below - own <= best.gain) continue;
+        stack.emplace_back(left_below, other.first);
+        stack.emplace_back(left_below, other.first + 1);
+      }
+      if (above != parent) {
+        without = joined(without, nodes_[beside]);
+        // Beside what is left of `above`, their common box being that of `above` now.
+        const double gain = saved - area_of(without);
+        if (gain > best.gain) best = {node, above, gain};
+        saved += area_of(nodes_[above]) - area_of(without);
+      }
+      if (above == 0) return best;
+      beside = sibling_of(above);
+      above = parent_of(above);
+    }
+  }
+
+  /// Makes the moves, the best first, as far as none before has changed what they would.
+  void apply(const std::vector<Move>& moves) {
+    std::vector<char> changed(nodes_.size(), 0);
+    for (const Move& move : moves) {
+      const std::uint32_t sibling = sibling_of(move.node), parent = parent_of(move.node);
+      const std::uint32_t touched[] = {move.node, sibling, parent, move.beside,
+                                       move.beside == 0 ? 0 : parent_of(move.beside)};
+      const auto has_changed = [&](std::uint32_t i) { return changed[i] != 0; };
+      if (std::any_of(std::begin(touched), std::end(touched), has_changed)) continue;
+      if (is_below(move.beside, move.node)) continue;  // another move took it there
+      for (const std::uint32_t i : touched) changed[i] = 1;
+      const std::uint32_t pair = std::min(move.node, sibling);
+      const BinaryNode moved = nodes_[move.node];
+      put(parent, nodes_[sibling]);
+      put(pair, nodes_[move.beside]);
+      put(pair + 1, moved);
+      nodes_[move.beside].first = pair;
+      nodes_[move.beside].count = 0;
+      parents_[pair_of(pair)] = move.beside;
+    }
+  }
+
+  void put(std::uint32_t index, const BinaryNode& node) {
+    nodes_[index] = node;
+    if (!node.is_leaf()) parents_[pair_of(node.first)] = index;
+  }
+
+  bool is_below(std::uint32_t node, std::uint32_t top) const {
+    for (; node != 0; node = parent_of(node)) {
+      if (node == top) return true;
+    }
+    return false;
+  }
+
+  std::vector<BinaryNode> nodes_;
+  std::vector<std::uint32_t> parents_;  ///< by pair
+};
+
+}  // namespace
+
+void reinsert_subtrees(BinaryTree& tree) {
+  if (tree.nodes.empty() || tree.nodes[0].is_leaf()) return;
+  Optimizer optimizer(tree);
+  optimizer.run();
+  optimizer.write(tree);
+}
+
+}  // namespace raylab::bvh
