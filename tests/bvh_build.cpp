@@ -110,6 +110,29 @@ TEST_CASE("the best tree of bvh costs less than the balanced one", "[unit]") {
   for (const Ray& ray : rays_into(geometry, 5000)) REQUIRE(best->intersect(ray) == balanced->intersect(ray));
 }
 
+TEST_CASE("bvh makes the same tree of a mesh whether its triangles share their vertices or each has its own",
+          "[unit]") {
+  const FlushDenormals flush;
+  const Geometry shared{{icosphere(vec3(0.0f), 1.0f, 4)}, {}};
+  Geometry separate{{{}}, {}};
+  for (std::uint32_t i = 0; i < shared.meshes[0].triangles.size(); ++i) {
+    const Triangle t = triangle_corners(shared.meshes[0], i);
+    separate.meshes[0].triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    separate.meshes[0].positions.insert(separate.meshes[0].positions.end(), {t.p0, t.p1, t.p2});
+  }
+  separate.meshes[0].pad_positions();
+  const auto a = make_accelerator("bvh", shared);
+  const auto b = make_accelerator("bvh", separate);
+  CHECK(b->build_report().bytes == a->build_report().bytes);
+  CHECK(b->build_report().sah_cost == a->build_report().sah_cost);
+  for (const Ray& ray : rays_into(shared, 5000)) REQUIRE(a->intersect(ray) == b->intersect(ray));
+}
+
+TEST_CASE("bvh needs no more memory for triangles that share nothing than their corners twice", "[unit]") {
+  const Geometry soup{{triangle_soup(50000, 1.0f, 0.02f, 3)}, {}};
+  CHECK(make_accelerator("bvh", soup)->build_report().bytes < 50000u * 72u);
+}
+
 TEST_CASE("the options of bvh have names, and no other accelerator takes them", "[unit]") {
   for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) CHECK(parse_isa(isa_name(isa)) == isa);
   for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <optional>
 #include <vector>
 
 #include "layout.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
 #include "reinsertion.hpp"
+#include "vertex_set.hpp"
 
 namespace raylab::bvh {
 
@@ -189,33 +191,34 @@ class Builder {
     return true;
   }
 
-  /// Whether the primitives can be one leaf.
-  bool fits_leaf(const Range& range) const {
-    if (range.size() == 1) return true;
-    if (range.size() > kBlockSize) return false;
-    std::array<std::uint64_t, kBlockSize> vertices;
-    int count = 0;
+  /// What leaf the primitives can be: a sphere alone, or triangles that share their vertices or hardly do.
+  /// Triangles in between are parted, into two smaller blocks instead of one that is larger than both.
+  std::optional<RefKind> leaf_kind(const Range& range) const {
+    if (range.size() > kBlockSize) return std::nullopt;
+    VertexSet vertices;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Primitive& p = tree_.primitives[i];
-      if (geometry_.is_sphere(p.geometry)) return false;
-      const uvec3& corners = geometry_.meshes[p.geometry].triangles[p.primitive];
-      for (int c = 0; c < 3; ++c) {
-        const std::uint64_t vertex = static_cast<std::uint64_t>(p.geometry) << 32 | corners[c];
-        if (std::find(vertices.begin(), vertices.begin() + count, vertex) != vertices.begin() + count) continue;
-        if (count == kBlockSize) return false;
-        vertices[static_cast<std::size_t>(count++)] = vertex;
+      if (geometry_.is_sphere(p.geometry)) {
+        if (range.size() == 1) return RefKind::sphere;
+        return std::nullopt;
       }
+      const TriangleMesh& mesh = geometry_.meshes[p.geometry];
+      const uvec3& corners = mesh.triangles[p.primitive];
+      for (int c = 0; c < 3; ++c) vertices.add(p.geometry, mesh, corners[c]);
     }
-    return true;
+    if (vertices.size() > 2 * kBlockSize) return RefKind::separate;
+    if (vertices.size() > kBlockSize) return std::nullopt;
+    return RefKind::triangles;
   }
 
   void build(std::uint32_t node_index, const Range& range, int depth) {
     BinaryNode& node = tree_.nodes[node_index];
     _mm_store_ps(&node.lower.x, range.bounds.lower);
     _mm_store_ps(&node.upper.x, range.bounds.upper);
-    if (fits_leaf(range)) {
+    if (const auto kind = leaf_kind(range)) {
       node.first = range.begin;
-      node.count = range.size();
+      node.count = static_cast<std::uint16_t>(range.size());
+      node.kind = *kind;
       std::sort(tree_.primitives.begin() + range.begin, tree_.primitives.begin() + range.end,
                 [](const Primitive& a, const Primitive& b) {
                   return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
@@ -227,6 +230,7 @@ class Builder {
     const std::uint32_t child = next_node_.fetch_add(2, std::memory_order_relaxed);
     node.first = child;
     node.count = 0;
+    node.kind = RefKind::node;
     if (range.size() > kParallelGrain) {
       parallel_invoke([&] { build(child, left, depth + 1); }, [&] { build(child + 1, right, depth + 1); });
     } else {

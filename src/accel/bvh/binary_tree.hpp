@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "huge_array.hpp"
+#include "layout.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/bounds.hpp"
 
@@ -24,9 +25,10 @@ struct alignas(16) BinaryNode {
   std::uint32_t first;  ///< leaf: place of its first primitive; inner node: index of the left child, the right
                         ///< one follows
   vec3 upper;
-  std::uint32_t count;  ///< of primitives in a leaf; 0 in an inner node
+  std::uint16_t count;  ///< of primitives in a leaf; 0 in an inner node
+  RefKind kind;         ///< node, or what the leaf becomes: triangles, separate or sphere
 
-  bool is_leaf() const { return count != 0; }
+  bool is_leaf() const { return kind != RefKind::node; }
 };
 static_assert(sizeof(BinaryNode) == 32);
 
@@ -42,8 +44,8 @@ struct BinaryTree {
   HugeArray<BinaryNode> nodes;      ///< the root first, children after their parents; none without primitives
 };
 
-/// The tree does not depend on the number of threads. A leaf is one sphere, or triangles that fit a
-/// TriangleBlock, in ascending order of their ids. No leaf is deeper than kMaxDepth.
+/// The tree does not depend on the number of threads. A leaf is one sphere, or up to kBlockSize
+/// triangles in ascending order of their ids. No leaf is deeper than kMaxDepth.
 BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality);
 
 }  // namespace raylab::bvh

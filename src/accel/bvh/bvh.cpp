@@ -50,20 +50,21 @@ template bool hit_sphere<Intersector::watertight>(const void*, std::uint32_t, co
 
 namespace {
 
-Triangle triangle_of(const TriangleBlock& block, int lane) {
+template <class Block>
+Triangle triangle_of(const Block& block, int lane) {
   Triangle triangle;
   for (int axis = 0; axis < 3; ++axis) {
-    triangle.p0[axis] = block.position[axis][block.corner[0][lane]];
-    triangle.p1[axis] = block.position[axis][block.corner[1][lane]];
-    triangle.p2[axis] = block.position[axis][block.corner[2][lane]];
+    triangle.p0[axis] = block.position[axis][corner_of(block, 0, lane)];
+    triangle.p1[axis] = block.position[axis][corner_of(block, 1, lane)];
+    triangle.p2[axis] = block.position[axis][corner_of(block, 2, lane)];
   }
   return triangle;
 }
 
 }  // namespace
 
-bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
-                        KernelHit& hit) noexcept {
+template <class Block>
+bool hit_triangle_again(const Block& block, int lane, const KernelRay& ray, float limit, KernelHit& hit) noexcept {
   const Ray own = as_ray(ray, limit);
   const auto found = intersect_watertight(WatertightRay(own), triangle_of(block, lane), own.t_min, own.t_max);
   if (!found) return false;
@@ -71,18 +72,27 @@ bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& r
   return true;
 }
 
-float plane_distance(const TriangleBlock& block, int lane, const KernelRay& ray, float otherwise) noexcept {
+template <class Block>
+float plane_distance(const Block& block, int lane, const KernelRay& ray, float otherwise) noexcept {
   return detail::watertight_plane_distance({ray.origin[0], ray.origin[1], ray.origin[2]},
                                            {ray.direction[0], ray.direction[1], ray.direction[2]},
                                            triangle_of(block, lane), otherwise);
 }
 
-void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept {
+template <class Block>
+void block_normal(const Block& block, int lane, double (&normal)[3]) noexcept {
   const dvec3 n = detail::triangle_normal(triangle_of(block, lane));
   normal[0] = n.x;
   normal[1] = n.y;
   normal[2] = n.z;
 }
+
+template bool hit_triangle_again(const SharedBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
+template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
+template float plane_distance(const SharedBlock&, int, const KernelRay&, float) noexcept;
+template float plane_distance(const SeparateBlock&, int, const KernelRay&, float) noexcept;
+template void block_normal(const SharedBlock&, int, double (&)[3]) noexcept;
+template void block_normal(const SeparateBlock&, int, double (&)[3]) noexcept;
 
 void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept {
   const Sphere& s = as_context(context).geometry->spheres[as_context(context).ids[place].primitive];
@@ -140,7 +150,7 @@ class Bvh final : public Accelerator {
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
     context_.ids = tree_.ids.data();
-    view_ = {tree_.items.data(), tree_.root, &context_};
+    view_ = {tree_.lines.data(), tree_.root, &context_};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.ids.size();

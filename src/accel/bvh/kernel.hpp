@@ -45,7 +45,7 @@ struct PacketHits {
 
 /// The tree as the traversal sees it.
 struct TreeView {
-  const Item* items;
+  const CacheLine* lines;
   Ref root;
   const void* context;  ///< for the functions below
 };
@@ -62,14 +62,23 @@ extern template bool hit_sphere<Intersector::watertight>(const void*, std::uint3
                                                          float&) noexcept;
 /// intersect_watertight on the triangle in a lane of a block, with t_min < t <= limit: decides the rare lanes that
 /// the vector code cannot. Fills in all of the hit.
-bool hit_triangle_again(const TriangleBlock& block, int lane, const KernelRay& ray, float limit,
-                        KernelHit& hit) noexcept;
+template <class Block>
+bool hit_triangle_again(const Block& block, int lane, const KernelRay& ray, float limit, KernelHit& hit) noexcept;
 /// watertight_plane_distance() of the triangle in a lane of a block.
-float plane_distance(const TriangleBlock& block, int lane, const KernelRay& ray, float otherwise) noexcept;
+template <class Block>
+float plane_distance(const Block& block, int lane, const KernelRay& ray, float otherwise) noexcept;
 /// Centre and radius of the sphere at a place.
 void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept;
 /// Normal of the triangle in a lane of a block, as triangle_normal() computes it.
-void block_normal(const TriangleBlock& block, int lane, double (&normal)[3]) noexcept;
+template <class Block>
+void block_normal(const Block& block, int lane, double (&normal)[3]) noexcept;
+
+extern template bool hit_triangle_again(const SharedBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
+extern template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
+extern template float plane_distance(const SharedBlock&, int, const KernelRay&, float) noexcept;
+extern template float plane_distance(const SeparateBlock&, int, const KernelRay&, float) noexcept;
+extern template void block_normal(const SharedBlock&, int, double (&)[3]) noexcept;
+extern template void block_normal(const SeparateBlock&, int, double (&)[3]) noexcept;
 /// Whether the primitive at place a has the smaller id.
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept;
 

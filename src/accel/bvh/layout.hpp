@@ -6,23 +6,24 @@
 
 namespace raylab::bvh {
 
-/// What a 32-bit reference points at: the low two bits say what, the others which one. Nodes and blocks are items
-/// of one array.
-enum class RefKind : std::uint32_t {
-  node = 0,       ///< inner node, by item
-  triangles = 1,  ///< TriangleBlock, by item
-  sphere = 2,     ///< a primitive, by its place in the order of the tree
-  end = 3,        ///< nothing: the bottom of the traversal stack
+/// What a 32-bit reference points at: the low three bits say what, the others which one. Nodes and blocks lie in
+/// one array of cache lines.
+enum class RefKind : std::uint16_t {
+  node = 0,       ///< inner node, by its first line
+  triangles = 1,  ///< SharedBlock, by its first line
+  separate = 2,   ///< SeparateBlock, by its first line
+  sphere = 3,     ///< a primitive, by its place in the order of the tree
+  end = 4,        ///< nothing: the bottom of the traversal stack
 };
 using Ref = std::uint32_t;
 
-inline constexpr std::uint32_t kLargestRefIndex = 0x3fffffffu;
+inline constexpr std::uint32_t kLargestRefIndex = 0x1fffffffu;
 
 [[gnu::always_inline]] inline constexpr Ref make_ref(RefKind kind, std::uint32_t index) {
-  return index << 2 | static_cast<std::uint32_t>(kind);
+  return index << 3 | static_cast<std::uint32_t>(kind);
 }
-[[gnu::always_inline]] inline constexpr RefKind ref_kind(Ref ref) { return static_cast<RefKind>(ref & 3u); }
-[[gnu::always_inline]] inline constexpr std::uint32_t ref_index(Ref ref) { return ref >> 2; }
+[[gnu::always_inline]] inline constexpr RefKind ref_kind(Ref ref) { return static_cast<RefKind>(ref & 7u); }
+[[gnu::always_inline]] inline constexpr std::uint32_t ref_index(Ref ref) { return ref >> 3; }
 
 /// Inner node: the boxes of up to `width` children, one array a plane.
 template <int width>
@@ -36,23 +37,39 @@ struct alignas(64) Node {
 };
 static_assert(sizeof(Node<8>) == 256 && sizeof(Node<16>) == 512);
 
-/// Most triangles, and most different vertices, in a block.
+/// Most triangles in a block, and most different vertices in a SharedBlock.
 inline constexpr int kBlockSize = 16;
 
 /// A leaf: triangles over shared vertices. Patches of a mesh have about as many vertices as triangles, so this
 /// takes half the memory of three vertices a triangle, and each vertex is transformed once.
-struct alignas(64) TriangleBlock {
+struct alignas(64) SharedBlock {
   float position[3][kBlockSize];  ///< x of all vertices, then y, then z; unused ones are 0
   std::uint8_t corner[3][kBlockSize];
   std::uint32_t first;  ///< place of lane 0 in the order of the tree; the lanes follow, their ids ascending
   std::uint32_t lanes;  ///< bit i set: lane i is a triangle
 };
 
-/// A node or a block.
-struct alignas(64) Item {
-  unsigned char bytes[256];
+/// A leaf: triangles that share few vertices or none. Those of lane i are i, kBlockSize + i and 2 kBlockSize + i.
+struct alignas(64) SeparateBlock {
+  float position[3][3 * kBlockSize];
+  std::uint32_t first;  ///< as in SharedBlock
+  std::uint32_t lanes;
 };
-static_assert(sizeof(TriangleBlock) == sizeof(Item) && sizeof(Node<8>) == sizeof(Item));
+
+/// Which position of a block is corner k of the triangle in a lane.
+[[gnu::always_inline]] inline int corner_of(const SharedBlock& block, int k, int lane) {
+  return block.corner[k][lane];
+}
+[[gnu::always_inline]] inline int corner_of(const SeparateBlock&, int k, int lane) {
+  return k * kBlockSize + lane;
+}
+
+struct alignas(64) CacheLine {
+  unsigned char bytes[64];
+};
+template <class T>
+inline constexpr std::uint32_t kLines = sizeof(T) / sizeof(CacheLine);
+static_assert(sizeof(SharedBlock) == 256 && sizeof(SeparateBlock) == 640);
 
 /// Bound of the depth of any tree, in inner nodes of two children; a wide tree over it is no deeper.
 inline constexpr int kMaxDepth = 80;

@@ -73,17 +73,16 @@ class PacketTriangleTest {
   }
 
   /// watertight_plane_distance() for all lanes, of a triangle of the block with this normal.
-  Wide plane_distance(const TriangleBlock& block, int lane, const double (&n)[3], Wide otherwise) const {
-    const auto corner = [&](int axis, int k) {
-      return static_cast<double>(block.position[axis][block.corner[k][lane]]);
-    };
+  template <class Block>
+  Wide plane_distance(const Block& block, int lane, const double (&n)[3], Wide otherwise) const {
+    const auto corner = [&](int axis, int k) { return block.position[axis][corner_of(block, k, lane)]; };
     const WideDouble x = WideDouble(direction_.x) * n[0];
     const WideDouble y = WideDouble(direction_.y) * n[1];
     const WideDouble z = WideDouble(direction_.z) * n[2];
     const WideDouble facing = x + y + z;
-    const WideDouble distance = (corner(0, 0) - WideDouble(origin_.x)) * n[0] +
-                                (corner(1, 0) - WideDouble(origin_.y)) * n[1] +
-                                (corner(2, 0) - WideDouble(origin_.z)) * n[2];
+    const WideDouble distance = (static_cast<double>(corner(0, 0)) - WideDouble(origin_.x)) * n[0] +
+                                (static_cast<double>(corner(1, 0)) - WideDouble(origin_.y)) * n[1] +
+                                (static_cast<double>(corner(2, 0)) - WideDouble(origin_.z)) * n[2];
     const WideDouble t = distance / facing;
     const WideMask doubtful =
         !(WideDouble(kDoubtfulFacing) * (magnitude(x) + magnitude(y) + magnitude(z)) < magnitude(facing));
@@ -92,9 +91,7 @@ class PacketTriangleTest {
     const WideDouble direction_z(direction_z_);
     const WideDouble origin_z(z_of(origin_));
     const auto at_corner = [&](int k) {
-      const Wide p =
-          z_of({Wide(block.position[0][block.corner[k][lane]]), Wide(block.position[1][block.corner[k][lane]]),
-                Wide(block.position[2][block.corner[k][lane]])});
+      const Wide p = z_of({Wide(corner(0, k)), Wide(corner(1, k)), Wide(corner(2, k))});
       return (WideDouble(p) - origin_z) / direction_z;
     };
     const WideDouble t0 = at_corner(0), t1 = at_corner(1), t2 = at_corner(2);

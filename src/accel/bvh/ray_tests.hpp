@@ -62,6 +62,28 @@ class BoxTest {
   int octant_ = 0;
 };
 
+/// What is known of each position of a block, for the corners of its triangles, one a lane.
+template <class Block>
+class Corners;
+template <>
+class Corners<SharedBlock> {
+ public:
+  static constexpr int vectors = 1;  ///< of positions
+  explicit Corners(const SharedBlock& block)
+      : at_{Lookup16(block.corner[0]), Lookup16(block.corner[1]), Lookup16(block.corner[2])} {}
+  Float16 operator()(int k, const Float16 (&values)[1]) const { return at_[k](values[0]); }
+
+ private:
+  Lookup16 at_[3];
+};
+template <>
+class Corners<SeparateBlock> {
+ public:
+  static constexpr int vectors = 3;
+  explicit Corners(const SeparateBlock&) {}
+  Float16 operator()(int k, const Float16 (&values)[3]) const { return values[k]; }
+};
+
 /// One ray against the triangles of a block: find() gives the lanes that may be hit, decide() whether one of them
 /// is, with t_min < t <= limit. Of the lanes found there is seldom more than one, so where vectors are short
 /// (kDividesAllLanes false) the distance is computed for those alone.
@@ -93,16 +115,22 @@ class BlockTest<Intersector::watertight> {
   }
 
   /// The lanes whose edge functions do not differ in sign.
-  std::uint32_t find(const TriangleBlock& block, [[maybe_unused]] float limit) {
+  template <class Block>
+  std::uint32_t find(const Block& block, [[maybe_unused]] float limit) {
+    constexpr int vectors = Corners<Block>::vectors;
     const Float16 zero = Float16::splat(0.0f);
-    const Float16 z = Float16::load(block.position[kz_]) - Float16::splat(origin_z_);
-    const Float16 x =
-        Float16::load(block.position[kx_]) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z;
-    const Float16 y =
-        Float16::load(block.position[ky_]) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z;
-    const Lookup16 at_a(block.corner[0]), at_b(block.corner[1]), at_c(block.corner[2]);
-    const Float16 ax = at_a(x), bx = at_b(x), cx = at_c(x);
-    const Float16 ay = at_a(y), by = at_b(y), cy = at_c(y);
+    Float16 x[vectors], y[vectors], z[vectors];
+    for (int i = 0; i < vectors; ++i) {
+      const int first = i * kBlockSize;
+      z[i] = Float16::load(block.position[kz_] + first) - Float16::splat(origin_z_);
+      x[i] =
+          Float16::load(block.position[kx_] + first) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z[i];
+      y[i] =
+          Float16::load(block.position[ky_] + first) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z[i];
+    }
+    const Corners<Block> corner(block);
+    const Float16 ax = corner(0, x), bx = corner(1, x), cx = corner(2, x);
+    const Float16 ay = corner(0, y), by = corner(1, y), cy = corner(2, y);
     const Float16 u = cx * by - cy * bx;
     const Float16 v = ax * cy - ay * cx;
     const Float16 w = bx * ay - by * ax;
@@ -110,17 +138,20 @@ class BlockTest<Intersector::watertight> {
     const Float16 largest = max(w, max(v, u));
     const std::uint32_t found = block.lanes & ~(less(smallest, zero) & less(zero, largest));
     if (found == 0) return 0;
-    const Float16 xy = max(abs(x), abs(y));
+    Float16 xy[vectors];
+    for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
     if constexpr (!kDividesAllLanes) {
       u.store(u_);
       v.store(v_);
       w.store(w_);
-      z.store(z_);
-      xy.store(xy_);
+      for (int i = 0; i < vectors; ++i) {
+        z[i].store(z_ + i * kBlockSize);
+        xy[i].store(xy_ + i * kBlockSize);
+      }
       return found;
     }
     const Float16 det = u + v + w;
-    const Float16 az = at_a(z), bz = at_b(z), cz = at_c(z);
+    const Float16 az = corner(0, z), bz = corner(1, z), cz = corner(2, z);
     const Float16 inv_det = Float16::splat(1.0f) / det;
     const Float16 beta = v * inv_det;
     const Float16 gamma = w * inv_det;
@@ -128,7 +159,7 @@ class BlockTest<Intersector::watertight> {
     const Float16 hit_z = az + beta * ab + gamma * ac;
     const Float16 t = hit_z / Float16::splat(direction_z_);
     const Float16 size = abs(det);
-    const Float16 xy_size = max(at_a(xy), max(at_b(xy), at_c(xy)));
+    const Float16 xy_size = max(corner(0, xy), max(corner(1, xy), corner(2, xy)));
     const Float16 z_size = max(abs(az), max(abs(bz), abs(cz)));
     const Float16 error = z_size * (max(abs(ab), abs(ac)) * xy_size);
     const Float16 depth = abs(hit_z) * size;
@@ -145,7 +176,8 @@ class BlockTest<Intersector::watertight> {
            (found & less(Float16::splat(ray_.t_min), t) & less_equal(t, Float16::splat(limit)));
   }
 
-  bool decide(const TriangleBlock& block, int lane, float limit, KernelHit& hit) const {
+  template <class Block>
+  bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
     if constexpr (kDividesAllLanes) {
       if ((unsure_ >> lane & 1u) != 0) [[unlikely]]
         return hit_triangle_again(block, lane, ray_, limit, hit);
@@ -156,7 +188,7 @@ class BlockTest<Intersector::watertight> {
       }
       return hit.t <= limit;
     }
-    const int a = block.corner[0][lane], b = block.corner[1][lane], c = block.corner[2][lane];
+    const int a = corner_of(block, 0, lane), b = corner_of(block, 1, lane), c = corner_of(block, 2, lane);
     const float u = u_[lane], v = v_[lane], w = w_[lane];
     const float det = u + v + w;
     const float inv_det = 1.0f / det;
@@ -189,14 +221,14 @@ class BlockTest<Intersector::watertight> {
   float origin_x_, origin_y_, origin_z_;
   float shear_x_, shear_y_, direction_z_;
   // Of the last block in which lanes were found, also those where float does not decide whether they are hit, or
-  // how far away. By lane the edge functions, or t, beta and gamma; by vertex z and max(|x|, |y|).
+  // how far away. By lane the edge functions, or t, beta and gamma; by position z and max(|x|, |y|).
   std::uint32_t unsure_, imprecise_;
   alignas(64) float t_[kBlockSize];
   alignas(64) float u_[kBlockSize];
   alignas(64) float v_[kBlockSize];
   alignas(64) float w_[kBlockSize];
-  alignas(64) float z_[kBlockSize];
-  alignas(64) float xy_[kBlockSize];
+  alignas(64) float z_[3 * kBlockSize];
+  alignas(64) float xy_[3 * kBlockSize];
 };
 
 /// As intersect_moeller_trumbore does, operation by operation.
@@ -205,16 +237,19 @@ class BlockTest {
  public:
   explicit BlockTest(const KernelRay& ray) : ray_(ray) {}
 
-  std::uint32_t find(const TriangleBlock& block, float limit) {
+  template <class Block>
+  std::uint32_t find(const Block& block, float limit) {
+    constexpr int vectors = Corners<Block>::vectors;
     constexpr float smallest_determinant = kind == Intersector::book ? kBookSmallestDeterminant : 0.0f;
     const Float16 zero = Float16::splat(0.0f), one = Float16::splat(1.0f);
-    const Lookup16 at_a(block.corner[0]), at_b(block.corner[1]), at_c(block.corner[2]);
+    const Corners<Block> corner(block);
     Float16 d[3], e1[3], e2[3], s[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const Float16 position = Float16::load(block.position[axis]);
-      const Float16 a = at_a(position);
-      e1[axis] = at_b(position) - a;
-      e2[axis] = at_c(position) - a;
+      Float16 position[vectors];
+      for (int i = 0; i < vectors; ++i) position[i] = Float16::load(block.position[axis] + i * kBlockSize);
+      const Float16 a = corner(0, position);
+      e1[axis] = corner(1, position) - a;
+      e2[axis] = corner(2, position) - a;
       s[axis] = Float16::splat(ray_.origin[axis]) - a;
       d[axis] = Float16::splat(ray_.direction[axis]);
     }
@@ -238,7 +273,8 @@ class BlockTest {
     return found;
   }
 
-  bool decide(const TriangleBlock& block, int lane, float limit, KernelHit& hit) const {
+  template <class Block>
+  bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
     hit = {t_[lane], u_[lane], v_[lane], block.first + static_cast<std::uint32_t>(lane)};
     return hit.t <= limit;
   }

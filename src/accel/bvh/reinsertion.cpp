@@ -172,6 +172,7 @@ class Optimizer {
       put(pair + 1, moved);
       nodes_[move.beside].first = pair;
       nodes_[move.beside].count = 0;
+      nodes_[move.beside].kind = RefKind::node;
       parents_[pair_of(pair)] = move.beside;
     }
   }

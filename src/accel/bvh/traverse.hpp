@@ -13,15 +13,36 @@ inline void take(const KernelHit& hit, const TreeView& tree, KernelHit& best, fl
   limit = hit.t;
 }
 
-inline const void* item_address(const TreeView& tree, Ref ref) {
-  static_assert(sizeof(Item) == 256);
-  return reinterpret_cast<const char*>(tree.items) + (static_cast<std::size_t>(ref & ~3u) << 6);
+/// What a reference points at, unless that is a sphere or nothing.
+template <class T>
+const T& at(const TreeView& tree, Ref ref) {
+  static_assert(sizeof(CacheLine) == 64);
+  const auto* lines = reinterpret_cast<const char*>(tree.lines);
+  return *reinterpret_cast<const T*>(lines + (static_cast<std::size_t>(ref & ~7u) << 3));
 }
 
-/// Asks for an item before its turn comes. Harmless for what is no item.
+/// Asks for a node or block before its turn comes. Harmless for what is neither.
 inline void prefetch(const TreeView& tree, Ref ref) {
-  const char* const item = static_cast<const char*>(item_address(tree, ref));
-  for (std::size_t line = 0; line < sizeof(Item); line += 64) __builtin_prefetch(item + line);
+  const CacheLine* const line = &at<CacheLine>(tree, ref);
+  for (std::uint32_t i = 0; i < kLines<SharedBlock>; ++i) __builtin_prefetch(line + i);
+}
+
+template <class Test, class Block>
+[[gnu::always_inline]] inline void intersect_block(const Block& block, Test& test, const TreeView& tree,
+                                                   KernelHit& best, float& limit) {
+  for (std::uint32_t found = test.find(block, limit); found != 0; found &= found - 1) {
+    KernelHit hit;
+    if (test.decide(block, __builtin_ctz(found), limit, hit)) take(hit, tree, best, limit);
+  }
+}
+
+template <class Test, class Block>
+[[gnu::always_inline]] inline bool block_occludes(const Block& block, Test& test, float limit) {
+  for (std::uint32_t found = test.find(block, limit); found != 0; found &= found - 1) {
+    KernelHit hit;
+    if (test.decide(block, __builtin_ctz(found), limit, hit)) return true;
+  }
+  return false;
 }
 
 /// Nearest hit. Children are visited in the order of the octant of the ray's direction, which needs no sorting
@@ -43,7 +64,7 @@ KernelHit intersect(const TreeView& tree, const KernelRay& ray) noexcept {
   Ref ref = tree.root;
   for (;;) {
     if (ref_kind(ref) == RefKind::node) {
-      const auto& node = *static_cast<const Node<width>*>(item_address(tree, ref));
+      const auto& node = at<Node<width>>(tree, ref);
       NodeVector near, far;
       box_test(node, NodeVector::splat(limit), near, far);
       const int count = push_ordered(near, far, node.child, node.order[box_test.octant()], distances + top + 1,
@@ -54,11 +75,9 @@ KernelHit intersect(const TreeView& tree, const KernelRay& ray) noexcept {
         continue;
       }
     } else if (ref_kind(ref) == RefKind::triangles) {
-      const auto& block = *static_cast<const TriangleBlock*>(item_address(tree, ref));
-      for (std::uint32_t found = block_test.find(block, limit); found != 0; found &= found - 1) {
-        KernelHit hit;
-        if (block_test.decide(block, __builtin_ctz(found), limit, hit)) take(hit, tree, best, limit);
-      }
+      intersect_block(at<SharedBlock>(tree, ref), block_test, tree, best, limit);
+    } else if (ref_kind(ref) == RefKind::separate) {
+      intersect_block(at<SeparateBlock>(tree, ref), block_test, tree, best, limit);
     } else if (ref_kind(ref) == RefKind::sphere) {
       float t;
       const std::uint32_t place = ref_index(ref);
@@ -85,7 +104,7 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
   Ref ref = tree.root;
   for (;;) {
     if (ref_kind(ref) == RefKind::node) {
-      const auto& node = *static_cast<const Node<width>*>(item_address(tree, ref));
+      const auto& node = at<Node<width>>(tree, ref);
       NodeVector near, far;
       box_test(node, limit, near, far);
       const int count = push_any(near, far, node.child, refs + top + 1, ref);
@@ -95,11 +114,9 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
         continue;
       }
     } else if (ref_kind(ref) == RefKind::triangles) {
-      const auto& block = *static_cast<const TriangleBlock*>(item_address(tree, ref));
-      for (std::uint32_t found = block_test.find(block, ray.limit); found != 0; found &= found - 1) {
-        KernelHit hit;
-        if (block_test.decide(block, __builtin_ctz(found), ray.limit, hit)) return true;
-      }
+      if (block_occludes(at<SharedBlock>(tree, ref), block_test, ray.limit)) return true;
+    } else if (ref_kind(ref) == RefKind::separate) {
+      if (block_occludes(at<SeparateBlock>(tree, ref), block_test, ray.limit)) return true;
     } else if (ref_kind(ref) == RefKind::sphere) {
       float t;
       if (hit_sphere<kind>(tree.context, ref_index(ref), ray, ray.limit, t)) return true;
@@ -130,7 +147,7 @@ class Flight {
   /// Visits one item and asks for the next. False when there is none, or the answer is known.
   bool step() {
     if (ref_kind(ref_) == RefKind::node) {
-      const auto& node = *static_cast<const Node<width>*>(item_address(tree_, ref_));
+      const auto& node = at<Node<width>>(tree_, ref_);
       NodeVector near, far;
       box_test_(node, NodeVector::splat(limit_), near, far);
       const int count = push_ordered(near, far, node.child, node.order[box_test_.octant()], distances_ + top_ + 1,
@@ -141,13 +158,9 @@ class Flight {
         return true;
       }
     } else if (ref_kind(ref_) == RefKind::triangles) {
-      const auto& block = *static_cast<const TriangleBlock*>(item_address(tree_, ref_));
-      for (std::uint32_t found = block_test_.find(block, limit_); found != 0; found &= found - 1) {
-        KernelHit hit;
-        if (!block_test_.decide(block, __builtin_ctz(found), limit_, hit)) continue;
-        take(hit, tree_, best_, limit_);
-        if (any_hit) return false;
-      }
+      if (meets(at<SharedBlock>(tree_, ref_)) && any_hit) return false;
+    } else if (ref_kind(ref_) == RefKind::separate) {
+      if (meets(at<SeparateBlock>(tree_, ref_)) && any_hit) return false;
     } else {
       float t;
       const std::uint32_t place = ref_index(ref_);
@@ -164,6 +177,20 @@ class Flight {
   }
 
  private:
+  /// Takes the nearest hit in a block, or any.
+  template <class Block>
+  [[gnu::always_inline]] bool meets(const Block& block) {
+    bool any = false;
+    for (std::uint32_t found = block_test_.find(block, limit_); found != 0; found &= found - 1) {
+      KernelHit hit;
+      if (!block_test_.decide(block, __builtin_ctz(found), limit_, hit)) continue;
+      take(hit, tree_, best_, limit_);
+      any = true;
+      if (any_hit) break;
+    }
+    return any;
+  }
+
   const TreeView& tree_;
   KernelRay ray_;
   BoxTest<NodeVector> box_test_;

@@ -76,9 +76,11 @@ class Packet {
       if (ref_kind(ref) != RefKind::sphere && __builtin_popcount(bits) <= kFewRays) {
         in_turns<any_hit>(ref, bits);
       } else if (ref_kind(ref) == RefKind::node) {
-        top = push_children(*static_cast<const Node<width>*>(item_address(tree_, ref)), active, top);
+        top = push_children(at<Node<width>>(tree_, ref), active, top);
       } else if (ref_kind(ref) == RefKind::triangles) {
-        hit_block<any_hit>(*static_cast<const TriangleBlock*>(item_address(tree_, ref)), active);
+        hit_block<any_hit>(at<SharedBlock>(tree_, ref), active);
+      } else if (ref_kind(ref) == RefKind::separate) {
+        hit_block<any_hit>(at<SeparateBlock>(tree_, ref), active);
       } else if (ref_kind(ref) == RefKind::sphere) {
         hit_spheres<any_hit>(ref_index(ref), active);
       }
@@ -103,17 +105,27 @@ class Packet {
     return top;
   }
 
-  template <bool any_hit>
-  void hit_block(const TriangleBlock& block, WideMask active) {
-    PacketTriangleTest::Vertex vertices[kBlockSize];
+  template <bool any_hit, class Block>
+  void hit_block(const Block& block, WideMask active) {
+    constexpr bool shared = std::is_same_v<Block, SharedBlock>;
+    PacketTriangleTest::Vertex vertices[shared ? kBlockSize : 3];
+    const auto transform = [&](int i, int position) {
+      vertices[i] = triangle_test_.transform(block.position[0][position], block.position[1][position],
+                                             block.position[2][position]);
+    };
     const int count = __builtin_popcount(block.lanes);
     int transformed = 0;
     for (int lane = 0; lane < count; ++lane) {
-      const int a = block.corner[0][lane], b = block.corner[1][lane], c = block.corner[2][lane];
-      // Vertices are numbered in the order in which the triangles name them.
-      for (const int last = largest_of(a, b, c); transformed <= last; ++transformed) {
-        vertices[transformed] = triangle_test_.transform(
-            block.position[0][transformed], block.position[1][transformed], block.position[2][transformed]);
+      int a = 0, b = 1, c = 2;
+      if constexpr (shared) {
+        a = corner_of(block, 0, lane);
+        b = corner_of(block, 1, lane);
+        c = corner_of(block, 2, lane);
+        // Vertices are numbered in the order in which the triangles name them.
+        for (const int last = largest_of(a, b, c); transformed <= last; ++transformed)
+          transform(transformed, transformed);
+      } else {
+        for (int k = 0; k < 3; ++k) transform(k, corner_of(block, k, lane));
       }
       PacketTriangleTest::Found found;
       if (!triangle_test_(active, vertices[a], vertices[b], vertices[c], t_min_, best_t_, found)) continue;
@@ -160,7 +172,7 @@ class Packet {
     OneRay* flights[kFewRays];
     int lane_of[kFewRays];
     int flying = 0;
-    const TreeView subtree{tree_.items, ref, tree_.context};
+    const TreeView subtree{tree_.lines, ref, tree_.context};
     best_t_.store(limits_);
     for (; lanes != 0; lanes &= lanes - 1) {
       lane_of[flying] = __builtin_ctz(lanes);

@@ -7,6 +7,7 @@
 #include "binary_tree.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
+#include "vertex_set.hpp"
 
 namespace raylab::bvh {
 
@@ -138,8 +139,8 @@ class Treelet {
 /// Where the children of a wide node go: they are numbered through, siblings side by side.
 struct Plan {
   std::uint32_t binary;
-  std::uint32_t item;
-  std::uint32_t first_child;  ///< item
+  std::uint32_t line;
+  std::uint32_t first_child;  ///< line
 };
 
 class Widener {
@@ -152,12 +153,12 @@ class Widener {
     if (root.is_leaf()) {
       tree_.depth = 1;
       tree_.sah_cost = 1.0;
-      tree_.root = child_ref(root, item_count_);
-      tree_.items = HugeArray<Item>(item_count_);
-      if (!is_sphere(root)) fill_block(root, *new (&tree_.items[0]) TriangleBlock());
+      tree_.root = child_ref(root, line_count_);
+      tree_.lines = HugeArray<CacheLine>(line_count_);
+      fill_leaf(root, tree_.root);
     } else {
       covers_ = best_covers(binary_.nodes);
-      tree_.root = child_ref(root, item_count_);
+      tree_.root = child_ref(root, line_count_);
       plan();
       fill();
     }
@@ -167,14 +168,22 @@ class Widener {
   }
 
  private:
-  bool is_sphere(const BinaryNode& leaf) const {
-    return geometry_.is_sphere(binary_.primitives[leaf.first].geometry);
-  }
-
-  /// The reference to a node of the tree, which becomes the next item unless it is a sphere.
-  Ref child_ref(const BinaryNode& node, std::uint32_t& next_item) const {
-    if (!node.is_leaf()) return make_ref(RefKind::node, next_item++);
-    return is_sphere(node) ? make_ref(RefKind::sphere, node.first) : make_ref(RefKind::triangles, next_item++);
+  /// The reference to a node of the tree, which takes the next lines unless it is a sphere.
+  static Ref child_ref(const BinaryNode& node, std::uint32_t& next_line) {
+    if (node.kind == RefKind::sphere) return make_ref(RefKind::sphere, node.first);
+    const Ref ref = make_ref(node.kind, next_line);
+    switch (node.kind) {
+      case RefKind::triangles:
+        next_line += kLines<SharedBlock>;
+        break;
+      case RefKind::separate:
+        next_line += kLines<SeparateBlock>;
+        break;
+      default:
+        next_line += kLines<Node<kWidth>>;
+    }
+    RAYLAB_CHECK(next_line <= kLargestRefIndex);
+    return ref;
   }
 
   /// Numbers nodes and blocks, those that are near each other in the tree near each other in memory.
@@ -193,11 +202,11 @@ class Widener {
       area += half_area(binary_.nodes[plan.binary]);
       tree_.depth = std::max(tree_.depth, depth + 1);
       const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
-      plan.first_child = item_count_;
+      plan.first_child = line_count_;
       const auto first_entry = static_cast<std::ptrdiff_t>(stack.size());
       for (int i = 0; i < treelet.children(); ++i) {
         const BinaryNode& child = binary_.nodes[treelet.child(i)];
-        const Ref ref = child_ref(child, item_count_);
+        const Ref ref = child_ref(child, line_count_);
         if (child.is_leaf()) {
           area += half_area(child);
         } else {
@@ -207,26 +216,26 @@ class Widener {
       }
       std::reverse(stack.begin() + first_entry, stack.end());
     }
-    RAYLAB_CHECK(tree_.depth <= kMaxDepth && item_count_ <= kLargestRefIndex);
+    RAYLAB_CHECK(tree_.depth <= kMaxDepth);
     tree_.nodes = plans_.size();
     const double root_area = half_area(binary_.nodes[0]);
     tree_.sah_cost = root_area > 0.0 ? area / root_area : 0.0;
   }
 
   void fill() {
-    tree_.items = HugeArray<Item>(item_count_);
+    tree_.lines = HugeArray<CacheLine>(line_count_);
     constexpr std::size_t kChunk = 256;
     parallel_for((plans_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
       const std::size_t end = std::min(plans_.size(), (chunk + 1) * kChunk);
       for (std::size_t i = chunk * kChunk; i < end; ++i) {
-        fill_node(plans_[i], *new (&tree_.items[plans_[i].item]) Node<kWidth>());
+        fill_node(plans_[i], *new (&tree_.lines[plans_[i].line]) Node<kWidth>());
       }
     });
   }
 
   void fill_node(const Plan& plan, Node<kWidth>& node) {
     const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
-    std::uint32_t next_item = plan.first_child;
+    std::uint32_t next_line = plan.first_child;
     for (int lane = 0; lane < kWidth; ++lane) {
       if (lane >= treelet.children()) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -241,33 +250,32 @@ class Widener {
         node.planes[2 * axis][lane] = child.lower[axis];
         node.planes[2 * axis + 1][lane] = child.upper[axis];
       }
-      node.child[lane] = child_ref(child, next_item);
-      if (ref_kind(node.child[lane]) == RefKind::triangles) {
-        fill_block(child, *new (&tree_.items[ref_index(node.child[lane])]) TriangleBlock());
-      }
+      node.child[lane] = child_ref(child, next_line);
+      if (child.is_leaf()) fill_leaf(child, node.child[lane]);
     }
     for (int octant = 0; octant < 8; ++octant) node.order[octant][0] = treelet.order(octant);
   }
 
-  void fill_block(const BinaryNode& leaf, TriangleBlock& block) const {
+  void fill_leaf(const BinaryNode& leaf, Ref ref) const {
+    if (leaf.kind == RefKind::triangles) fill_block(leaf, *new (&tree_.lines[ref_index(ref)]) SharedBlock());
+    if (leaf.kind == RefKind::separate) fill_block(leaf, *new (&tree_.lines[ref_index(ref)]) SeparateBlock());
+  }
+
+  template <class Block>
+  void fill_block(const BinaryNode& leaf, Block& block) const {
     block.first = leaf.first;
     block.lanes = (1u << leaf.count) - 1;
-    std::array<std::uint64_t, kBlockSize> vertices;
-    std::size_t count = 0;
+    VertexSet vertices;
     for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
       const Primitive& p = binary_.primitives[leaf.first + lane];
       const TriangleMesh& mesh = geometry_.meshes[p.geometry];
       const uvec3& corners = mesh.triangles[p.primitive];
       for (int c = 0; c < 3; ++c) {
-        const std::uint64_t vertex = static_cast<std::uint64_t>(p.geometry) << 32 | corners[c];
-        const auto known = vertices.begin() + static_cast<std::ptrdiff_t>(count);
-        const auto slot = static_cast<std::size_t>(std::find(vertices.begin(), known, vertex) - vertices.begin());
-        if (slot == count) {
-          RAYLAB_CHECK(count < kBlockSize);
-          vertices[count++] = vertex;
-          for (int axis = 0; axis < 3; ++axis) block.position[axis][slot] = mesh.positions[corners[c]][axis];
+        if constexpr (std::is_same_v<Block, SharedBlock>) {
+          block.corner[c][lane] = static_cast<std::uint8_t>(vertices.add(p.geometry, mesh, corners[c]));
         }
-        block.corner[c][lane] = static_cast<std::uint8_t>(slot);
+        const auto at = static_cast<std::size_t>(corner_of(block, c, static_cast<int>(lane)));
+        for (int axis = 0; axis < 3; ++axis) block.position[axis][at] = mesh.positions[corners[c]][axis];
       }
     }
   }
@@ -277,12 +285,12 @@ class Widener {
   std::vector<Cover> covers_;
   WideTree tree_;
   std::vector<Plan> plans_;
-  std::uint32_t item_count_ = 0;
+  std::uint32_t line_count_ = 0;
 };
 
 }  // namespace
 
-std::size_t WideTree::bytes() const { return items.bytes() + ids.bytes(); }
+std::size_t WideTree::bytes() const { return lines.bytes() + ids.bytes(); }
 
 WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
   return Widener(geometry, build_binary_tree(geometry, quality)).run();

@@ -9,8 +9,8 @@
 namespace raylab::bvh {
 
 struct WideTree {
-  HugeArray<Item> items;
-  std::size_t nodes = 0;       ///< of the items
+  HugeArray<CacheLine> lines;  ///< of nodes and blocks
+  std::size_t nodes = 0;
   HugeArray<PrimitiveId> ids;  ///< by place in the order of the tree
   Ref root = make_ref(RefKind::end, 0);
   int depth = 0;          ///< of the deepest leaf, the root being 1
