@@ -40,7 +40,8 @@ struct PacketHits {
   alignas(64) float t[kLargestPacket];
   alignas(64) float u[kLargestPacket];
   alignas(64) float v[kLargestPacket];
-  std::uint32_t place[kLargestPacket];
+  std::uint32_t place[kLargestPacket];  ///< any primitive, if any hit will do
+  int turns;                            ///< nodes and blocks that rays of the packet have visited alone
 };
 
 /// The tree as the traversal sees it.
@@ -91,7 +92,10 @@ struct Kernel {
   int packet;  ///< rays a packet; its intersector is watertight
   /// Both give the lanes that they leave out, since their directions are too long or too short.
   std::uint32_t (*intersect_packet)(const TreeView&, const PacketRays&, PacketHits&) noexcept;
-  std::uint32_t (*occluded_packet)(const TreeView&, const PacketRays&, std::uint32_t& occluded) noexcept;
+  std::uint32_t (*occluded_packet)(const TreeView&, const PacketRays&, PacketHits&) noexcept;
+  /// Many rays that have little in common. Any hit will do for the second.
+  void (*intersect_rays)(const TreeView&, const KernelRay*, int count, KernelHit*) noexcept;
+  void (*occluded_rays)(const TreeView&, const KernelRay*, int count, KernelHit*) noexcept;
 };
 
 extern const Kernel kKernelSse42;

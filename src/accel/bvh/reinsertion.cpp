@@ -87,7 +87,7 @@ class Optimizer {
 
   std::uint32_t parent_of(std::uint32_t node) const { return parents_[pair_of(node)]; }
 
-  /// Boxes of the inner nodes from those of the leaves, Returns the sum of the inner nodes' areas, infinity where
+  /// Boxes of the inner nodes from those of the leaves. Returns the sum of the inner nodes' areas, infinity where
   /// the tree is too deep.
   double refit(std::uint32_t index = 0, int depth = 1) {
     BinaryNode& node = nodes_[index];

@@ -1,6 +1,9 @@
 #pragma once
 // The traversal by one ray; as local to the including file as ray_tests.hpp. Its loop is written out three times,
 // for the nearest hit, for any hit, and step by step: as one template it was measured to be 3 to 6% slower.
+#include <new>
+#include <type_traits>
+
 #include "ray_tests.hpp"
 
 namespace raylab::bvh {
@@ -127,12 +130,15 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
   }
 }
 
-/// A query that is taken forward item by item, so that several can take turns: while one works the items of the
-/// others are on their way from memory, which is what a ray in a large tree mostly waits for.
-template <class NodeVector, Intersector kind, bool any_hit>
+/// A query that is taken forward by one node or block at a time, so that several can take turns. A wrong guess of
+/// a branch costs most where what it depends on is still being computed: all that was begun meanwhile is thrown
+/// away. So what a turn finds out is looked at in the next one, when it has long been known, and while one query
+/// waits for memory or for its own results the others go on.
+template <class NodeVector, bool any_hit>
 class Flight {
  public:
   static constexpr int width = NodeVector::lanes;
+  static constexpr Intersector kind = Intersector::watertight;
 
   Flight(const TreeView& tree, const KernelRay& ray)
       : tree_(tree), ray_(ray), box_test_(ray_), block_test_(ray_), limit_(ray.limit), ref_(tree.root) {
@@ -144,7 +150,7 @@ class Flight {
 
   const KernelHit& best() const { return best_; }
 
-  /// Visits one item and asks for the next. False when there is none, or the answer is known.
+  /// Visits one node or block and asks for the next. False when there is none, or the answer is known.
   bool step() {
     if (ref_kind(ref_) == RefKind::node) {
       const auto& node = at<Node<width>>(tree_, ref_);
@@ -161,7 +167,7 @@ class Flight {
       if (meets(at<SharedBlock>(tree_, ref_)) && any_hit) return false;
     } else if (ref_kind(ref_) == RefKind::separate) {
       if (meets(at<SeparateBlock>(tree_, ref_)) && any_hit) return false;
-    } else {
+    } else if (ref_kind(ref_) == RefKind::sphere) {
       float t;
       const std::uint32_t place = ref_index(ref_);
       if (hit_sphere<kind>(tree_.context, place, ray_, limit_, t)) {
@@ -202,6 +208,45 @@ class Flight {
   alignas(64) float distances_[stack_size(width)];
   alignas(64) Ref refs_[stack_size(width)];
 };
+
+/// Queries in turns at one time.
+constexpr int kTurns = 8;
+
+/// Answers `count` rays one by one, several of them in turns: ray(i) gives them, and take(i, hit) is given those
+/// that hit. Returns how many turns it took.
+template <class NodeVector, bool any_hit, class GetRay, class Take>
+[[gnu::always_inline]] inline int answer_in_turns(const TreeView& tree, int count, const GetRay& ray,
+                                                  const Take& take) {
+  using OneRay = Flight<NodeVector, any_hit>;
+  static_assert(std::is_trivially_destructible_v<OneRay>);
+  alignas(OneRay) unsigned char room[kTurns][sizeof(OneRay)];
+  OneRay* flights[kTurns];
+  int ray_of[kTurns];
+  int flying = 0, next = 0, turns = 0;
+  for (; flying < kTurns && next < count; ++flying, ++next) {
+    flights[flying] = new (room[flying]) OneRay(tree, ray(next));
+    ray_of[flying] = next;
+  }
+  while (flying != 0) {
+    turns += flying;
+    for (int i = 0; i < flying;) {
+      if (flights[i]->step()) {
+        ++i;
+        continue;
+      }
+      if (flights[i]->best().place != kNoPrimitive) take(ray_of[i], flights[i]->best());
+      if (next < count) {
+        flights[i] = new (static_cast<void*>(flights[i])) OneRay(tree, ray(next));
+        ray_of[i++] = next++;
+      } else {
+        --flying;
+        flights[i] = flights[flying];
+        ray_of[i] = ray_of[flying];
+      }
+    }
+  }
+  return turns;
+}
 
 }  // namespace
 }  // namespace raylab::bvh

@@ -1,7 +1,6 @@
 #pragma once
 // Several rays at once, one in each lane of a vector: a node's box, or a triangle, is loaded and prepared once for
 // all of them. Included after simd_*.hpp, and as local to the including file.
-#include <new>
 #include <type_traits>
 
 #include "packet_tests.hpp"
@@ -45,12 +44,14 @@ class Packet {
     best_u_.store(hits.u);
     best_v_.store(hits.v);
     for (int i = 0; i < kLanes; ++i) hits.place[i] = places_[i];
+    hits.turns = turns_;
     return left_out_.bits();
   }
 
-  std::uint32_t occluded(std::uint32_t& occluded) {
+  std::uint32_t occluded(PacketHits& hits) {
     traverse<true>();
-    occluded = done_.bits();
+    for (int i = 0; i < kLanes; ++i) hits.place[i] = (done_.bits() >> i & 1u) != 0 ? 0 : kNoPrimitive;
+    hits.turns = turns_;
     return left_out_.bits();
   }
 
@@ -166,31 +167,14 @@ class Packet {
   /// A subtree for the few rays that go there.
   template <bool any_hit>
   void in_turns(Ref ref, std::uint32_t lanes) {
-    using OneRay = Flight<NodeVector, kind, any_hit>;
-    static_assert(std::is_trivially_destructible_v<OneRay>);
-    alignas(OneRay) unsigned char room[kFewRays][sizeof(OneRay)];
-    OneRay* flights[kFewRays];
+    static_assert(kFewRays <= kTurns);
     int lane_of[kFewRays];
-    int flying = 0;
-    const TreeView subtree{tree_.lines, ref, tree_.context};
+    int count = 0;
+    for (; lanes != 0; lanes &= lanes - 1) lane_of[count++] = __builtin_ctz(lanes);
     best_t_.store(limits_);
-    for (; lanes != 0; lanes &= lanes - 1) {
-      lane_of[flying] = __builtin_ctz(lanes);
-      flights[flying] = new (room[flying]) OneRay(subtree, ray(lane_of[flying]));
-      ++flying;
-    }
-    while (flying != 0) {
-      for (int i = 0; i < flying;) {
-        if (flights[i]->step()) {
-          ++i;
-          continue;
-        }
-        if (flights[i]->best().place != kNoPrimitive) take(lane_of[i], flights[i]->best());
-        --flying;
-        flights[i] = flights[flying];
-        lane_of[i] = lane_of[flying];
-      }
-    }
+    turns_ += answer_in_turns<NodeVector, any_hit>(
+        {tree_.lines, ref, tree_.context}, count, [&](int i) { return ray(lane_of[i]); },
+        [&](int i, const KernelHit& hit) { take(lane_of[i], hit); });
     best_t_ = Wide::load(limits_);
   }
 
@@ -250,6 +234,7 @@ class Packet {
   Wide best_t_, best_u_{}, best_v_{};
   alignas(64) float limits_[kLanes];
   std::uint32_t places_[kLanes];
+  int turns_ = 0;
   Ref refs_[stack_size(width)];
   WideMask masks_[stack_size(width)];
   Wide nears_[stack_size(width)];
@@ -260,8 +245,15 @@ std::uint32_t intersect_packet(const TreeView& tree, const PacketRays& rays, Pac
   return Packet<NodeVector>(tree, rays).intersect(hits);
 }
 template <class NodeVector>
-std::uint32_t occluded_packet(const TreeView& tree, const PacketRays& rays, std::uint32_t& occluded) noexcept {
-  return Packet<NodeVector>(tree, rays).occluded(occluded);
+std::uint32_t occluded_packet(const TreeView& tree, const PacketRays& rays, PacketHits& hits) noexcept {
+  return Packet<NodeVector>(tree, rays).occluded(hits);
+}
+
+template <class NodeVector, bool any_hit>
+void trace_rays(const TreeView& tree, const KernelRay* rays, int count, KernelHit* hits) noexcept {
+  for (int i = 0; i < count; ++i) hits[i] = {0.0f, 0.0f, 0.0f, kNoPrimitive};
+  answer_in_turns<NodeVector, any_hit>(
+      tree, count, [&](int i) { return rays[i]; }, [&](int i, const KernelHit& hit) { hits[i] = hit; });
 }
 
 template <class NodeVector>
@@ -274,7 +266,9 @@ constexpr Kernel make_kernel(const char* isa) {
            occluded<NodeVector, Intersector::watertight>},
           kLanes,
           intersect_packet<NodeVector>,
-          occluded_packet<NodeVector>};
+          occluded_packet<NodeVector>,
+          trace_rays<NodeVector, false>,
+          trace_rays<NodeVector, true>};
 }
 
 }  // namespace
