@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include "catch.hpp"
 #include "raylab/image/image_file.hpp"
@@ -153,6 +154,29 @@ TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {
   const Results results = read_results(folder.path());
   CHECK(rows_where(results, "threads", 1).size() == 2);
   for (const Row& row : results.rows) CHECK(row["rays_checked"] == 50);
+}
+
+TEST_CASE("raylab-bench ladder measures each step from the book's tree to bvh, and checks it", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench({"ladder", kCornell, "--rays", "500", "--checked", "500", "--repeats",
+                                          "1", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  CHECK(results.rows.size() == 35);  // seven steps, five kinds of rays
+  std::map<std::string, std::size_t> wrong_book;
+  for (const Row& row : rows_where(results, "step", "1 book")) wrong_book[row["rays"]] = row["wrong"];
+  CHECK(wrong_book["vertex"] > 0);
+  for (const Row& row : results.rows) {
+    INFO(row.dump());
+    CHECK(row["mrays_per_second"]["median"].get<double>() > 0.0);
+    CHECK(row["batch_differences"] == 0);
+    // The book's faults in its triangle test, and hardly others, until there is a better one.
+    if (row["intersector"] == "watertight")
+      CHECK(row["wrong"] == 0);
+    else
+      CHECK(row["wrong"].get<std::size_t>() <= wrong_book[row["rays"]] + 2);
+  }
 }
 
 TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {

@@ -17,30 +17,48 @@ namespace {
 
 using namespace bench;
 
-/// `unnamed` says what is measured when no accelerator and no triangle test is named.
-void add_common(CLI::App& command, CommonOptions& options, const std::string& unnamed) {
+void add_common(CLI::App& command, CommonOptions& options) {
   command
       .add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
       ->capture_default_str();
-  command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)->delimiter(',');
-  command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated " + unnamed)
-      ->delimiter(',');
   command.add_option("--repeats", options.repeats, "Repeats of each measurement")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of all random numbers")->capture_default_str();
 }
 
+/// `unnamed` says what is measured when no accelerator and no triangle test is named.
+void add_choice(CLI::App& command, CommonOptions& options, const std::string& unnamed) {
+  command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)->delimiter(',');
+  command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated " + unnamed)
+      ->delimiter(',');
+}
+
+/// Options of the suites that send rays one by one and in batches.
+void add_ray_counts(CLI::App& command, RaysOptions& options) {
+  command.add_option("--rays", options.rays, "Rays of each kind that are timed")
+      ->check(CLI::Range(1, 1 << 26))
+      ->capture_default_str();
+  command.add_option("--checked", options.checked, "Rays of each kind whose hits are checked")
+      ->check(CLI::Range(1, 1 << 26))
+      ->capture_default_str();
+}
+
 CLI::App* add_rays(CLI::App& app, RaysOptions& options) {
-  CLI::App* command = app.add_subcommand("rays", "Speed and accuracy of single rays, one thread");
+  CLI::App* command = app.add_subcommand("rays", "Speed and accuracy of single rays and batches, one thread");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options, "(default: all but exact)");
-  command->add_option("--rays", options.rays, "Rays of each kind that are timed")
-      ->check(CLI::Range(1, 1 << 26))
-      ->capture_default_str();
-  command->add_option("--checked", options.checked, "Rays of each kind whose hits are checked")
-      ->check(CLI::Range(1, 1 << 26))
-      ->capture_default_str();
+  add_common(*command, options);
+  add_choice(*command, options, "(default: all but exact)");
+  add_ray_counts(*command, options);
+  return command;
+}
+
+CLI::App* add_ladder(CLI::App& app, RaysOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "ladder", "What each step buys from the book's tree to bvh: speed, accuracy, memory, building time");
+  command->add_option("scene", options.scenes, "Scene files")->required();
+  add_common(*command, options);
+  add_ray_counts(*command, options);
   return command;
 }
 
@@ -66,7 +84,8 @@ void add_pictures(CLI::App& command, Options& options) {
 CLI::App* add_needs(CLI::App& app, NeedsOptions& options) {
   CLI::App* command = app.add_subcommand("needs", "How little a scene can be rendered with for a given error");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options, "(default: all but exact)");
+  add_common(*command, options);
+  add_choice(*command, options, "(default: all but exact)");
   command->add_option("--spp", options.spp, "Samples per pixel of the measurements that choose")
       ->check(CLI::Range(2, 1 << 20))
       ->capture_default_str();
@@ -80,7 +99,8 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
                                          "of what is named; by default the usual "
                                          "one (bvh, path, sobol), and those that differ from it in one thing");
   command->add_option("scene", options.scenes, "Scene files")->required();
-  add_common(*command, options, "(default: those of the usual ways)");
+  add_common(*command, options);
+  add_choice(*command, options, "(default: those of the usual ways)");
   command->add_option("--integrator", options.integrators, "Integrators, comma separated: path, book")
       ->delimiter(',');
   command->add_option("--sampler", options.samplers, "Samplers, comma separated: sobol, independent")
@@ -100,7 +120,8 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
 CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
   CLI::App* command =
       app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
-  add_common(*command, options, "(default: each accelerator as it is, but list and exact)");
+  add_common(*command, options);
+  add_choice(*command, options, "(default: each accelerator as it is, but list and exact)");
   command
       ->add_option("--family", options.families,
                    "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")
@@ -139,7 +160,7 @@ int run(int argc, char** argv) {
   app.name("raylab-bench");
   app.set_version_flag("--version", std::string("raylab-bench ") + RAYLAB_VERSION);
   app.require_subcommand(1);
-  RaysOptions rays_options;
+  RaysOptions rays_options, ladder_options;
   RenderSuiteOptions render_options;
   NeedsOptions needs_options;
   ScaleOptions scale_options;
@@ -148,6 +169,7 @@ int run(int argc, char** argv) {
   // A render takes long enough to time well, and its error needs few seeds to be known.
   render_options.repeats = needs_options.repeats = 3;
   const CLI::App* rays_command = add_rays(app, rays_options);
+  const CLI::App* ladder_command = add_ladder(app, ladder_options);
   const CLI::App* render_command = add_render(app, render_options);
   const CLI::App* scale_command = add_scale(app, scale_options);
   const CLI::App* needs_command = add_needs(app, needs_options);
@@ -162,11 +184,13 @@ int run(int argc, char** argv) {
   }
   const std::string line = command_line("raylab-bench", argc, argv);
   for (CommonOptions* o :
-       {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&render_options),
-        static_cast<CommonOptions*>(&needs_options), static_cast<CommonOptions*>(&scale_options)}) {
+       {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
+        static_cast<CommonOptions*>(&render_options), static_cast<CommonOptions*>(&needs_options),
+        static_cast<CommonOptions*>(&scale_options)}) {
     o->command_line = line;
   }
   if (*rays_command) return rays(rays_options);
+  if (*ladder_command) return ladder(ladder_options);
   if (*render_command) return bench::render(render_options);
   if (*scale_command) return bench::scale(scale_options);
   if (*needs_command) return needs(needs_options);

@@ -81,10 +81,18 @@ std::vector<Variant> variants(const std::vector<std::string>& accels,
 bool is_brute_force(const Variant& variant) { return variant.accel == "list"; }
 
 Built build(const Variant& variant, const Geometry& geometry, int threads) {
-  const ThreadLimit limit(threads);
   AcceleratorOptions options;
   options.threads = threads;
   if (!variant.intersector.empty()) options.intersector = parse_intersector(variant.intersector);
+  const auto make = [&](const Geometry& g, const AcceleratorOptions& o) {
+    return make_accelerator(variant.accel, g, o);
+  };
+  return build(variant, make, geometry, options);
+}
+
+Built build(const Variant& variant, const AcceleratorFactory& make, const Geometry& geometry,
+            const AcceleratorOptions& options) {
+  const ThreadLimit limit(options.threads);
   constexpr int kMostBuilds = 5;
   constexpr double kWorthSaving = 1.0;
   std::vector<double> seconds;
@@ -93,7 +101,7 @@ Built build(const Variant& variant, const Geometry& geometry, int threads) {
   const Stopwatch watch;
   do {
     built.accelerator.reset();
-    built.accelerator = make_accelerator(variant.accel, geometry, options);
+    built.accelerator = make(geometry, options);
     seconds.push_back(built.accelerator->build_report().seconds);
   } while (seconds.size() < kMostBuilds && watch.seconds() < kWorthSaving);
   built.build_seconds = spread_of(seconds);

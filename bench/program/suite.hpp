@@ -74,6 +74,9 @@ struct Built {
   Spread build_seconds;
 };
 Built build(const Variant& variant, const Geometry& geometry, int threads);
+/// The same, of an accelerator that has no name, or with options that a Variant does not tell.
+Built build(const Variant& variant, const AcceleratorFactory& make, const Geometry& geometry,
+            const AcceleratorOptions& options);
 
 /// Fields of a row that an accelerator brings along.
 void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built);

@@ -13,6 +13,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+import ladder_charts  # noqa: E402
 import needs_charts  # noqa: E402
 import page  # noqa: E402
 import rays_charts  # noqa: E402
@@ -20,7 +21,7 @@ import render_charts  # noqa: E402
 import scale_charts  # noqa: E402
 import style  # noqa: E402
 
-SUITES = [rays_charts, render_charts, scale_charts, needs_charts]
+SUITES = [rays_charts, ladder_charts, render_charts, scale_charts, needs_charts]
 
 
 def main():
@@ -39,7 +40,7 @@ def main():
             for name, caption, figure in suite.charts(results):
                 style.save(figure, options.folder, name, options.png)
                 shown.append((name, caption))
-        page.write(options.folder, results, shown, list(render_charts.pictures(results)), needs_charts.tables(results))
+        page.write(options.folder, results, shown, list(render_charts.pictures(results)), ladder_charts.tables(results) + needs_charts.tables(results))
     except KeyError as error:
         print(f"report.py: {options.folder / 'results.json'}: a row lacks the field {error}", file=sys.stderr)
         return 3

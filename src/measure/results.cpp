@@ -21,10 +21,10 @@ constexpr const char* kJsonName = "results.json";
 constexpr const char* kCsvName = "results.csv";
 
 // The fields that say what a row measures; all others say what came out.
-constexpr std::array kKeyFields{"suite",      "scene",         "family", "renderer",  "accel",   "intersector",
-                                "integrator", "sampler",       "needs",  "rays",      "threads", "triangles",
-                                "width",      "height",        "spp",    "max_depth", "segment", "question",
-                                "case",       "target_relmse", "value"};
+constexpr std::array kKeyFields{"suite",      "scene",   "family",        "renderer", "accel",     "intersector",
+                                "integrator", "sampler", "needs",         "rays",     "step",      "threads",
+                                "triangles",  "width",   "height",        "spp",      "max_depth", "segment",
+                                "question",   "case",    "target_relmse", "value"};
 
 std::string utc_date() {
   const std::time_t now = std::time(nullptr);

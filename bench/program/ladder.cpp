@@ -1,0 +1,83 @@
+// raylab-bench ladder: what each step from the book's tree to `bvh` buys.
+#include "ladder_steps.hpp"
+#include "ray_measurement.hpp"
+
+namespace raylab::bench {
+
+namespace {
+
+struct Step {
+  const char* name;
+  const char* accel;        ///< what the row calls it
+  AcceleratorFactory make;  ///< absent: by that name
+  AcceleratorOptions options;
+};
+
+std::vector<Step> steps() {
+  return {
+      {"1 book", "rtiow", {}, {.intersector = Intersector::book}},
+      {"2 flat nodes", "flat", make_flat, {}},
+      {"3 surface areas", "heuristic", make_heuristic, {}},
+      {"4 wide nodes", "wide", make_wide, {}},
+      {"5 SIMD leaves", "bvh", {}, {.intersector = Intersector::book}},
+      {"6 watertight", "bvh", {}, {.intersector = Intersector::watertight}},
+      {"7 best tree", "bvh", {}, {.intersector = Intersector::watertight, .quality = BvhQuality::best}},
+  };
+}
+
+Built build(const Step& step, const Geometry& geometry) {
+  AcceleratorOptions options = step.options;
+  options.threads = 1;
+  const Variant variant{step.accel,
+                        std::string(intersector_name(options.intersector.value_or(Intersector::book)))};
+  return build(
+      variant,
+      step.make
+          ? step.make
+          : [&](const Geometry& g, const AcceleratorOptions& o) { return make_accelerator(step.accel, g, o); },
+      geometry, options);
+}
+
+std::string line_of(const Row& row) {
+  return format("%-12s %-8s %-15s build %7.4f s %6.1f bytes/primitive %7.2f areas %s",
+                row["scene"].get<std::string>().c_str(), row["rays"].get<std::string>().c_str(),
+                row["step"].get<std::string>().c_str(), row["build_seconds"].get<double>(),
+                row["bytes"].get<double>() / (row["triangles"].get<double>() + row["spheres"].get<double>()),
+                row.value("sah_cost", 0.0), speed_text(row).c_str());
+}
+
+}  // namespace
+
+int ladder(const RaysOptions& options) {
+  const std::vector<Step> all = steps();
+  Suite suite(options.out, "ladder", options.command_line);
+  const InterruptGuard guard;
+  constexpr double kKinds = 5.0;
+  suite.expect(kKinds * static_cast<double>(options.scenes.size()));
+  for (const std::string& file : options.scenes) {
+    const LoadedScene loaded = load(suite, file);
+    const Scene& scene = loaded.scene;
+    std::vector<Built> built;
+    for (const Step& step : all) {
+      built.push_back(build(step, scene.geometry));
+      suite.check();
+    }
+    const Judge judge(scene.geometry);
+    for (const RaySet& set : scene_ray_sets(scene, options)) {
+      if (!set.rays.empty()) {
+        std::vector<Row> rows = measure_rays(suite, "ladder", scene, set, built, judge, options);
+        std::vector<std::string> lines;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+          rows[i]["step"] = all[i].name;
+          lines.push_back(line_of(rows[i]));
+        }
+        suite.add(rows, lines);
+      }
+      suite.advance(1.0);
+    }
+  }
+  suite.finish();
+  return 0;
+}
+
+}  // namespace raylab::bench

@@ -1,0 +1,84 @@
+#include "ray_measurement.hpp"
+
+#include <algorithm>
+
+#include "raylab/measure/batch_queries.hpp"
+#include "raylab/measure/ray_timing.hpp"
+
+namespace raylab::bench {
+
+namespace {
+
+Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
+  std::vector<double> speeds;
+  for (const double s : seconds) speeds.push_back(1e-6 * static_cast<double>(rays) / s);
+  return to_row(spread_of(speeds));
+}
+
+/// Repeats that give each accelerator a twentieth of a second, and no fewer than asked for: on small scenes a pass
+/// takes so little that the machine's moods would show.
+int enough_repeats(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays, Query query,
+                   int least) {
+  constexpr double kSeconds = 0.05;
+  constexpr int kMost = 100;
+  constexpr std::size_t kShare = 8;
+  const std::span<const Ray> some = rays.first(std::max<std::size_t>(1, rays.size() / kShare));
+  double fastest = kSeconds;
+  for (const QueryTimes& times : time_queries(accelerators, some, query, 1)) {
+    fastest =
+        std::min(fastest, times.cpu.front() * static_cast<double>(rays.size()) / static_cast<double>(some.size()));
+  }
+  return std::max(least, std::min(kMost, static_cast<int>(kSeconds / fastest)));
+}
+
+}  // namespace
+
+std::vector<RaySet> scene_ray_sets(const Scene& scene, const RaysOptions& options) {
+  const auto walker = make_accelerator("bvh", scene.geometry);
+  IntegratorSettings settings;
+  settings.max_depth = scene.render.max_depth;
+  std::vector<RaySet> sets = path_ray_sets(scene, *walker, settings, options.rays, options.seed);
+  std::vector<Ray> origins = sets[0].rays;
+  origins.insert(origins.end(), sets[1].rays.begin(), sets[1].rays.end());
+  for (RaySet& set : outline_ray_sets(scene.geometry, *walker, origins, options.rays, options.seed)) {
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const Scene& scene, const RaySet& set,
+                              std::span<const Built> built, const Judge& judge, const RaysOptions& options) {
+  std::vector<const Accelerator*> accelerators;
+  for (const Built& b : built) accelerators.push_back(b.accelerator.get());
+  const Query query = set.kind == RayKind::shadow ? Query::occluded : Query::intersect;
+  const int repeats = enough_repeats(accelerators, set.rays, query, options.repeats);
+  const auto go_on = [&] {
+    suite.check();
+    return false;
+  };
+  const auto times = time_queries(accelerators, set.rays, query, repeats, go_on);
+  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, repeats, go_on);
+  const std::vector<Judgement> judgements = judge(accelerators, set, options.checked, suite);
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < built.size(); ++i) {
+    Row row{{"suite", suite_name}, {"scene", scene.name}, {"rays", ray_kind_name(set.kind)}, {"threads", 1}};
+    add_fields(row, built[i].variant, scene.geometry, built[i]);
+    row["mrays_per_second"] = mega_per_second(set.rays.size(), times[i].cpu);
+    row["mrays_per_second_wall"] = mega_per_second(set.rays.size(), times[i].wall);
+    row["mrays_per_second_batch"] = mega_per_second(set.rays.size(), batch_times[i].cpu);
+    row["rays_timed"] = set.rays.size();
+    row["runs"] = times[i].cpu.size();
+    add_fields(row, judgements[i]);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::string speed_text(const Row& row) {
+  const Row& speed = row["mrays_per_second"];
+  return format("%7.2f Mrays/s (%.2f to %.2f), in batches %.2f; %s", speed["median"].get<double>(),
+                speed["min"].get<double>(), speed["max"].get<double>(),
+                row["mrays_per_second_batch"]["median"].get<double>(), judgement_text(row).c_str());
+}
+
+}  // namespace raylab::bench
