@@ -158,7 +158,7 @@ class Bvh final : public Accelerator {
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
     context_.ids = tree_.ids.data();
-    view_ = {tree_.lines.data(), tree_.root, &context_};
+    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), &context_};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     if (report_.bytes > kLargeTree) most_visits_alone_ = 1;

@@ -48,7 +48,8 @@ struct PacketHits {
 struct TreeView {
   const CacheLine* lines;
   Ref root;
-  const void* context;  ///< for the functions below
+  const PrimitiveId* ids;  ///< by place; what a hit is turned into afterwards
+  const void* context;     ///< for the functions below
 };
 
 /// What the traversal leaves to the code that all instruction sets share.

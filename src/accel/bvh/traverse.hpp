@@ -14,6 +14,7 @@ inline void take(const KernelHit& hit, const TreeView& tree, KernelHit& best, fl
   if (hit.t == best.t && !id_precedes(tree.context, hit.place, best.place)) return;
   best = hit;
   limit = hit.t;
+  __builtin_prefetch(tree.ids + hit.place);  // wanted when the traversal is done
 }
 
 /// What a reference points at, unless that is a sphere or nothing.

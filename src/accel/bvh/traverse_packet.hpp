@@ -173,7 +173,7 @@ class Packet {
     for (; lanes != 0; lanes &= lanes - 1) lane_of[count++] = __builtin_ctz(lanes);
     best_t_.store(limits_);
     turns_ += answer_in_turns<NodeVector, any_hit>(
-        {tree_.lines, ref, tree_.context}, count, [&](int i) { return ray(lane_of[i]); },
+        {tree_.lines, ref, tree_.ids, tree_.context}, count, [&](int i) { return ray(lane_of[i]); },
         [&](int i, const KernelHit& hit) { take(lane_of[i], hit); });
     best_t_ = Wide::load(limits_);
   }
@@ -193,6 +193,7 @@ class Packet {
       const int i = __builtin_ctz(left);
       if (!id_precedes(tree_.context, place, places_[i])) lanes = lanes & !WideMask::of(1u << i);
     }
+    if (any(lanes)) __builtin_prefetch(tree_.ids + place);
     best_t_ = select(lanes, t, best_t_);
     best_u_ = select(lanes, u, best_u_);
     best_v_ = select(lanes, v, best_v_);
