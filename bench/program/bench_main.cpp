@@ -175,13 +175,8 @@ int run(int argc, char** argv) {
   const CLI::App* needs_command = add_needs(app, needs_options);
   const CLI::App* report_command = add_report(app, report_options);
   const CLI::App* compare_command = add_compare(app, compare_options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help or --version
-    std::fprintf(stderr, "raylab-bench: %s\nRun with --help for the options.\n", e.what());
-    return static_cast<int>(ErrorKind::usage);
-  }
+  int exit_code = 0;
+  if (!parse_or_tell(app, argc, argv, exit_code)) return exit_code;
   const std::string line = command_line("raylab-bench", argc, argv);
   for (CommonOptions* o :
        {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
