@@ -111,6 +111,12 @@ void add_time_to_error(const Stage& stage, Suite& suite, Row row, const std::vec
                     stage.options.target_error, time.seconds, time.extrapolated ? " (extrapolated)" : "")});
 }
 
+/// Runs with so many samples per pixel: twice as many where one takes so little that a stall of the machine shows.
+int runs_of(const RenderSuiteOptions& options, int spp) {
+  const int most = *std::max_element(options.spp.begin(), options.spp.end());
+  return spp < most ? 2 * options.repeats : options.repeats;
+}
+
 /// All ways, taking turns, with one number of samples after the other.
 void measure_ways(Suite& suite, const Stage& stage, const std::vector<Way>& ways,
                   const std::vector<Built>& built) {
@@ -120,7 +126,7 @@ void measure_ways(Suite& suite, const Stage& stage, const std::vector<Way>& ways
   for (const int spp : stage.options.spp) {
     std::vector<Measured> measured(ways.size());
     // The first run of each warms up: it is measured again.
-    for (int run = -1; run < stage.options.repeats; ++run) {
+    for (int run = -1; run < runs_of(stage.options, spp); ++run) {
       for (std::size_t i = 0; i < ways.size(); ++i) {
         RenderOptions o = options_for(stage, ways[i], spp, std::max(run, 0));
         if (run < 0) o.samples_per_pixel = 1;
@@ -159,7 +165,8 @@ void measure_mitsuba(Suite& suite, const Stage& stage) {
     const RenderOptions o = options_for(stage, Way(), spp, 0);
     PeerRuns peer;
     try {
-      peer = render_with_mitsuba(stage.options.peer_python, stage.file, o, stage.threads, stage.options.repeats);
+      peer = render_with_mitsuba(stage.options.peer_python, stage.file, o, stage.threads,
+                                 runs_of(stage.options, spp));
     } catch (const Error& e) {
       suite.check();
       suite.note(std::string("left out: ") + e.what());
@@ -259,7 +266,7 @@ int render(const RenderSuiteOptions& given) {
     const RenderOptions o = options_of(scenes.back().scene, options.width);
     double samples = 2.0 * (options.reference_spp / 2);
     for (const int spp : options.spp) {
-      samples += static_cast<double>(ways.size()) * (1.0 + static_cast<double>(spp) * options.repeats);
+      samples += static_cast<double>(ways.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
     }
     suite.expect(samples * o.width * o.height);
   }
