@@ -128,6 +128,15 @@ TEST_CASE("bvh makes the same tree of a mesh whether its triangles share their v
   for (const Ray& ray : rays_into(shared, 5000)) REQUIRE(a->intersect(ray) == b->intersect(ray));
 }
 
+TEST_CASE("bvh makes wide nodes of geometry whose areas no float holds", "[unit]") {
+  const FlushDenormals flush;
+  const Geometry large{{icosphere(vec3(0.0f), 1.0f, 4)}, {}}, tiny{{icosphere(vec3(0.0f), 1e-20f, 4)}, {}};
+  const std::size_t nodes = make_accelerator("bvh", large)->build_report().nodes;
+  const auto bvh = make_accelerator("bvh", tiny);
+  CHECK(bvh->build_report().nodes < nodes + nodes / 4);
+  CHECK(bvh->build_report().sah_cost > 1.0);
+}
+
 TEST_CASE("bvh needs no more memory for triangles that share nothing than their corners twice", "[unit]") {
   const Geometry soup{{triangle_soup(50000, 1.0f, 0.02f, 3)}, {}};
   CHECK(make_accelerator("bvh", soup)->build_report().bytes < 50000u * 72u);

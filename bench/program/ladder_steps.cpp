@@ -190,7 +190,7 @@ class Binary final : public Accelerator {
       report_.nodes += node.is_leaf() ? 0 : 1;
       report_.sah_cost += static_cast<double>(node.bounds.half_area()) * (node.is_leaf() ? node.count : 1);
     }
-    if (report_.nodes > 0) report_.sah_cost /= static_cast<double>(tree_.nodes[0].bounds.half_area());
+    if (report_.sah_cost > 0.0) report_.sah_cost /= static_cast<double>(tree_.nodes[0].bounds.half_area());
   }
 
   std::optional<Hit> intersect(const Ray& ray) const noexcept override { return find(ray, false); }

@@ -19,9 +19,9 @@ float largest_coordinate(const Ray& ray, const Geometry& geometry, const Primiti
   return max_component(glm::max(glm::abs(ray.origin), glm::max(glm::abs(b.lower), glm::abs(b.upper))));
 }
 
-/// Eight rays from the same origin, which pass evenly spaced around the point at t, where their own t is 1. From the
-/// same origin, since beside it they could start behind another surface: a ray from the floor, below the floor. In
-/// units of t, since with a t near 0 the direction to a point beside it would overflow.
+/// Eight rays from the same origin, which pass evenly spaced around the point at t, where their own t is 1. From
+/// the same origin, since beside it they could start behind another surface: a ray from the floor, below the
+/// floor. In units of t, since with a t near 0 the direction to a point beside it would overflow.
 std::array<Ray, 8> rays_around(const Ray& ray, float t, float distance) {
   const dvec3 d = dvec3(ray.direction) / static_cast<double>(max_component(glm::abs(ray.direction)));
   const dvec3 a = glm::abs(d);
@@ -33,8 +33,9 @@ std::array<Ray, 8> rays_around(const Ray& ray, float t, float distance) {
   for (std::size_t i = 0; i < around.size(); ++i) {
     const double angle = 0.25 * static_cast<double>(kPi) * static_cast<double>(i);
     const dvec3 offset = static_cast<double>(distance) * (std::cos(angle) * e1 + std::sin(angle) * e2);
+    const double end = ray.t_max / unit;
     around[i] = {ray.origin, vec3(dvec3(ray.direction) * unit + offset), static_cast<float>(ray.t_min / unit),
-                 static_cast<float>(ray.t_max / unit)};
+                 end < std::numeric_limits<float>::max() ? static_cast<float>(end) : kInfinity};
   }
   return around;
 }

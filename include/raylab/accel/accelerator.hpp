@@ -19,12 +19,12 @@ namespace raylab {
 
 /// What building an accelerator took and gave.
 struct BuildReport {
-  double seconds = 0.0;              ///< wall clock
-  std::size_t bytes = 0;             ///< held by the accelerator, the scene's own arrays not counted
-  std::size_t primitives = 0;        ///< valid primitives that can be hit
+  double seconds = 0.0;                ///< wall clock
+  std::size_t bytes = 0;               ///< held by the accelerator, the scene's own arrays not counted
+  std::size_t primitives = 0;          ///< valid primitives that can be hit
   std::size_t invalid_primitives = 0;  ///< left out: see is_valid_triangle, is_valid_sphere
-  std::size_t nodes = 0;             ///< inner nodes; 0 where unknown or none
-  int depth = 0;                     ///< of the deepest leaf, the root being 1; 0 where unknown
+  std::size_t nodes = 0;               ///< inner nodes; 0 where unknown or none
+  int depth = 0;                       ///< of the deepest leaf, the root being 1; 0 where unknown
   double sah_cost = 0.0;  ///< expected cost of a random ray, node and primitive tests counting 1; 0 where unknown
   std::string isa;        ///< instruction set the traversal uses, such as "sse4.2" or "avx2"
 };
@@ -80,8 +80,9 @@ class Accelerator {
   /// Whether anything is hit with t_min < t < t_max.
   virtual bool occluded(const Ray& ray) const noexcept = 0;
 
-  /// The same for many rays at once; answers equal those of single rays to the bit. Rays that lie side by side should
-  /// be alike: an accelerator may trace them together. What does not override these asks for one ray after the other.
+  /// The same for many rays at once; answers equal those of single rays to the bit. Rays that lie side by side
+  /// should be alike: an accelerator may trace them together. What does not override these asks for one ray after
+  /// the other.
   virtual void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept;
   /// Writes 1 or 0 for each ray.
   virtual void occluded_batch(const RayBatch& rays, std::uint8_t* occluded) const noexcept;
@@ -89,8 +90,8 @@ class Accelerator {
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
-/// How much building time `bvh` may spend on a better tree: `fast` looks at 16 planes an axis, `balanced` at 32, and
-/// `best` then moves subtrees to where they cost least.
+/// How much building time `bvh` may spend on a better tree: `fast` sorts into 16 bins an axis, `balanced` into 32,
+/// and `best` then moves subtrees to where they cost least.
 enum class BvhQuality { fast, balanced, best };
 
 /// Choices for those accelerators that offer them.

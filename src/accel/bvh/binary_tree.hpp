@@ -32,10 +32,11 @@ struct alignas(16) BinaryNode {
 };
 static_assert(sizeof(BinaryNode) == 32);
 
-/// Half the surface area of a box that is not empty.
+/// Half the surface area of a box that is not empty. In double, where no box of floats is too small or too large
+/// for it.
 template <class Box>
-float half_area(const Box& box) {
-  const vec3 d = box.upper - box.lower;
+double half_area(const Box& box) {
+  const dvec3 d = dvec3(box.upper) - dvec3(box.lower);
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 

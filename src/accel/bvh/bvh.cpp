@@ -131,8 +131,8 @@ const Kernel& choose_kernel(std::optional<Isa> forced) {
 }
 
 /// Rays whose directions are not of one octant are better traced alone where in a packet each of them would visit
-/// more nodes and blocks alone than this: one in a tree larger than the caches of a core, since rays that take
-/// turns wait for memory together. Measured on diffuse rays of the dragon (5 visits: 1.2 times as fast
+/// many more nodes and blocks alone than this: one in a tree larger than the caches of a core, since rays that
+/// take turns wait for memory together. Measured on diffuse rays of the dragon (5 visits: 1.2 times as fast
 /// alone), the bunny (2.5: 0.85) and synthetic geometry of 10^3 to 10^6 primitives.
 constexpr std::size_t kMostVisitsAlone = 4;
 constexpr std::size_t kLargeTree = std::size_t{4} << 20;  // bytes
@@ -223,8 +223,9 @@ class Bvh final : public Accelerator {
     int count = 0;
   };
 
-  /// Answers a batch: packet by packet, as long as the rays of a packet stay together on most of their way; once
-  /// they turn out not to, ray by ray. take(i, t, u, v, place) is given each answer.
+  /// Answers a batch, packet by packet where the rays of a packet stay together on most of their way, else ray by
+  /// ray. What rays of packets visited alone is weighed against all rays so far: the more it is, the fewer packets
+  /// are tried again. take(i, t, u, v, place) is given each answer.
   template <class TracePacket, class TraceRays, class Take>
   void trace(const RayBatch& rays, TracePacket trace_packet, TraceRays trace_rays, const Take& take) const {
     RayList list;
@@ -243,7 +244,7 @@ class Bvh final : public Accelerator {
       std::uint32_t left_out = (1u << count) - 1u;
       if (visits_alone <= most_visits_alone_ * first || is_coherent(rays, first, count)) {
         Padded padded;
-        PacketHits found;
+        PacketHits found{};
         left_out = trace_packet(view_, packet_of(rays, first, count, padded), found);
         visits_alone += static_cast<std::size_t>(found.turns);
         for (std::size_t i = 0; i < count; ++i)

@@ -41,7 +41,7 @@ struct PacketHits {
   alignas(64) float u[kLargestPacket];
   alignas(64) float v[kLargestPacket];
   std::uint32_t place[kLargestPacket];  ///< any primitive, if any hit will do
-  int turns;                            ///< nodes and blocks that rays of the packet have visited alone
+  int turns;                            ///< nodes, blocks and spheres that rays of the packet have visited alone
 };
 
 /// The tree as the traversal sees it.

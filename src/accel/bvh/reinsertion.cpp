@@ -13,19 +13,14 @@ namespace {
 
 constexpr std::size_t kChunk = 256;
 constexpr int kMostRounds = 12;
+/// Nodes looked at for one that might move: large boxes in each other would have it look at all.
+constexpr int kMostVisits = 2000;
 /// Rounds go on while one lowers the sum of areas by more than this part of it.
 constexpr double kWorthARound = 0.002;
 
 struct Box {
   vec3 lower, upper;
 };
-
-/// In double, where no box of floats is too small or too large for it.
-template <class AnyBox>
-double area_of(const AnyBox& box) {
-  const dvec3 d = dvec3(box.upper) - dvec3(box.lower);
-  return d.x * d.y + d.y * d.z + d.z * d.x;
-}
 
 template <class A, class B>
 Box joined(const A& a, const B& b) {
@@ -92,12 +87,12 @@ class Optimizer {
   double refit(std::uint32_t index = 0, int depth = 1) {
     BinaryNode& node = nodes_[index];
     if (node.is_leaf()) return 0.0;
-    if (depth > kMaxDepth) return kInfinity;  // will be taken back
+    if (depth >= kMaxDepth) return kInfinity;  // too deep: the round will be taken back
     const double below = refit(node.first, depth + 1) + refit(node.first + 1, depth + 1);
     const Box box = joined(nodes_[node.first], nodes_[node.first + 1]);
     node.lower = box.lower;
     node.upper = box.upper;
-    return below + area_of(box);
+    return below + half_area(box);
   }
 
   std::vector<Move> find_moves() const {
@@ -120,11 +115,12 @@ class Optimizer {
   Move find_move(std::uint32_t node, std::vector<std::pair<double, std::uint32_t>>& stack) const {
     Move best{node, 0, 0.0};
     if (node == 0) return best;
-    const double own = area_of(nodes_[node]);
+    const double own = half_area(nodes_[node]);
     const std::uint32_t parent = parent_of(node);
-    double saved = area_of(nodes_[parent]);
+    double saved = half_area(nodes_[parent]);
     std::uint32_t beside = sibling_of(node);
     std::uint32_t above = parent;
+    int visits = 0;
     Box without{nodes_[beside].lower, nodes_[beside].upper};  // `above`, once the node is out
     for (;;) {
       stack.emplace_back(saved, beside);
@@ -132,11 +128,15 @@ class Optimizer {
         const auto [left, candidate] = stack.back();
         stack.pop_back();
         if (left - own <= best.gain) continue;
+        if (++visits > kMostVisits) {
+          stack.clear();
+          return best;
+        }
         const BinaryNode& other = nodes_[candidate];
-        const double gain = left - area_of(joined(other, nodes_[node]));
+        const double gain = left - half_area(joined(other, nodes_[node]));
         if (gain > best.gain && candidate != sibling_of(node)) best = {node, candidate, gain};
         if (other.is_leaf()) continue;
-        const double left_below = gain + area_of(other);
+        const double left_below = gain + half_area(other);
         if (left_below - own <= best.gain) continue;
         stack.emplace_back(left_below, other.first);
         stack.emplace_back(left_below, other.first + 1);
@@ -144,9 +144,9 @@ class Optimizer {
       if (above != parent) {
         without = joined(without, nodes_[beside]);
         // Beside what is left of `above`, their common box being that of `above` now.
-        const double gain = saved - area_of(without);
+        const double gain = saved - half_area(without);
         if (gain > best.gain) best = {node, above, gain};
-        saved += area_of(nodes_[above]) - area_of(without);
+        saved += half_area(nodes_[above]) - half_area(without);
       }
       if (above == 0) return best;
       beside = sibling_of(above);

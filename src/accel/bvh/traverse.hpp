@@ -25,7 +25,8 @@ const T& at(const TreeView& tree, Ref ref) {
   return *reinterpret_cast<const T*>(lines + (static_cast<std::size_t>(ref & ~7u) << 3));
 }
 
-/// Asks for a node or block before its turn comes. Harmless for what is neither.
+/// Asks for a node or block before its turn comes, of a SeparateBlock for its beginning: more was measured to be
+/// slower. Harmless for what is neither.
 inline void prefetch(const TreeView& tree, Ref ref) {
   const CacheLine* const line = &at<CacheLine>(tree, ref);
   for (std::uint32_t i = 0; i < kLines<SharedBlock>; ++i) __builtin_prefetch(line + i);

@@ -49,7 +49,7 @@ std::vector<Cover> best_covers(const HugeArray<BinaryNode>& nodes) {
       cover.area[1] += split[kWidth];
       for (int k = 2; k < kWidth; ++k) {
         cover.area[k] = std::min(split[k], cover.area[1]);
-        if (split[k] >= cover.area[1]) cover.left[k] = 0;
+        if (split[k] > cover.area[1]) cover.left[k] = 0;
       }
     } else {
       std::fill(cover.area + 2, std::end(cover.area), cover.area[1]);
