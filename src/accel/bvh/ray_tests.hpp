@@ -114,16 +114,30 @@ class BlockTest<Intersector::watertight> {
     origin_z_ = ray.origin[kz_];
   }
 
-  /// The lanes whose edge functions do not differ in sign. `may_leave`: in the middle, if there are none; not to
-  /// leave is cheaper than a wrong guess of whether to.
-  template <bool may_leave = true, class Block>
+  /// The lanes whose edge functions do not differ in sign.
+  template <class Block>
   std::uint32_t find(const Block& block, [[maybe_unused]] float limit) {
-    const Edges<Block> edges(*this, block);
-    const std::uint32_t found = block.lanes & edges.agree();
-    if (may_leave && found == 0) return 0;
     constexpr int vectors = Corners<Block>::vectors;
-    const auto& [corner, x, y, z, u, v, w, smallest, largest] = edges;
     const Float16 zero = Float16::splat(0.0f);
+    Float16 x[vectors], y[vectors], z[vectors];
+    for (int i = 0; i < vectors; ++i) {
+      const int first = i * kBlockSize;
+      z[i] = Float16::load(block.position[kz_] + first) - Float16::splat(origin_z_);
+      x[i] =
+          Float16::load(block.position[kx_] + first) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z[i];
+      y[i] =
+          Float16::load(block.position[ky_] + first) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z[i];
+    }
+    const Corners<Block> corner(block);
+    const Float16 ax = corner(0, x), bx = corner(1, x), cx = corner(2, x);
+    const Float16 ay = corner(0, y), by = corner(1, y), cy = corner(2, y);
+    const Float16 u = cx * by - cy * bx;
+    const Float16 v = ax * cy - ay * cx;
+    const Float16 w = bx * ay - by * ax;
+    const Float16 smallest = min(w, min(v, u));
+    const Float16 largest = max(w, max(v, u));
+    const std::uint32_t found = block.lanes & ~(less(smallest, zero) & less(zero, largest));
+    if (found == 0) return 0;
     Float16 xy[vectors];
     for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
     if constexpr (!kDividesAllLanes) {
@@ -199,39 +213,6 @@ class BlockTest<Intersector::watertight> {
   }
 
  private:
-  /// The block's positions as the ray sees them, and the edge functions of its triangles.
-  template <class Block>
-  struct Edges {
-    static constexpr int vectors = Corners<Block>::vectors;
-
-    Edges(const BlockTest& ray, const Block& block) : corner(block) {
-      for (int i = 0; i < vectors; ++i) {
-        const int first = i * kBlockSize;
-        z[i] = Float16::load(block.position[ray.kz_] + first) - Float16::splat(ray.origin_z_);
-        x[i] = Float16::load(block.position[ray.kx_] + first) - Float16::splat(ray.origin_x_) -
-               Float16::splat(ray.shear_x_) * z[i];
-        y[i] = Float16::load(block.position[ray.ky_] + first) - Float16::splat(ray.origin_y_) -
-               Float16::splat(ray.shear_y_) * z[i];
-      }
-      const Float16 ax = corner(0, x), bx = corner(1, x), cx = corner(2, x);
-      const Float16 ay = corner(0, y), by = corner(1, y), cy = corner(2, y);
-      u = cx * by - cy * bx;
-      v = ax * cy - ay * cx;
-      w = bx * ay - by * ax;
-      smallest = min(w, min(v, u));
-      largest = max(w, max(v, u));
-    }
-
-    std::uint32_t agree() const {
-      const Float16 zero = Float16::splat(0.0f);
-      return ~(less(smallest, zero) & less(zero, largest));
-    }
-
-    Corners<Block> corner;
-    Float16 x[vectors], y[vectors], z[vectors];
-    Float16 u, v, w, smallest, largest;
-  };
-
   static float larger_of(float a, float b) { return a > b ? a : b; }
   static float largest_of(float a, float b, float c) { return larger_of(larger_of(a, b), c); }
 

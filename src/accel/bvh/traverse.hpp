@@ -32,6 +32,7 @@ inline void prefetch(const TreeView& tree, Ref ref) {
   for (std::uint32_t i = 0; i < kLines<SharedBlock>; ++i) __builtin_prefetch(line + i);
 }
 
+/// Takes the nearest hit in a block that is no farther than the limit.
 template <class Test, class Block>
 [[gnu::always_inline]] inline void intersect_block(const Block& block, Test& test, const TreeView& tree,
                                                    KernelHit& best, float& limit) {
@@ -132,10 +133,9 @@ bool occluded(const TreeView& tree, const KernelRay& ray) noexcept {
   }
 }
 
-/// A query that is taken forward by one node or block at a time, so that several can take turns. A wrong guess of
-/// a branch costs most where what it depends on is still being computed: all that was begun meanwhile is thrown
-/// away. So what a turn finds out is looked at in the next one, when it has long been known, and while one query
-/// waits for memory or for its own results the others go on.
+/// A query that is taken forward by one node or block at a time, so that several can take turns: while one works
+/// the nodes and blocks of the others are on their way from memory, which is what a ray in a large tree mostly
+/// waits for.
 template <class NodeVector, bool any_hit>
 class Flight {
  public:
@@ -150,6 +150,7 @@ class Flight {
   Flight(const Flight&) = delete;
   Flight& operator=(const Flight&) = delete;
 
+  /// With any_hit only its place says something: whether there is one.
   const KernelHit& best() const { return best_; }
 
   /// Visits one node or block and asks for the next. False when there is none, or the answer is known.
@@ -166,9 +167,9 @@ class Flight {
         return true;
       }
     } else if (ref_kind(ref_) == RefKind::triangles) {
-      if (meets(at<SharedBlock>(tree_, ref_)) && any_hit) return false;
+      if (ends_in(at<SharedBlock>(tree_, ref_))) return false;
     } else if (ref_kind(ref_) == RefKind::separate) {
-      if (meets(at<SeparateBlock>(tree_, ref_)) && any_hit) return false;
+      if (ends_in(at<SeparateBlock>(tree_, ref_))) return false;
     } else if (ref_kind(ref_) == RefKind::sphere) {
       float t;
       const std::uint32_t place = ref_index(ref_);
@@ -185,18 +186,17 @@ class Flight {
   }
 
  private:
-  /// Takes the nearest hit in a block, or any.
+  /// Takes the nearest hit in a block. True where any was enough.
   template <class Block>
-  [[gnu::always_inline]] bool meets(const Block& block) {
-    bool any = false;
-    for (std::uint32_t found = block_test_.find(block, limit_); found != 0; found &= found - 1) {
-      KernelHit hit;
-      if (!block_test_.decide(block, __builtin_ctz(found), limit_, hit)) continue;
-      take(hit, tree_, best_, limit_);
-      any = true;
-      if (any_hit) break;
+  [[gnu::always_inline]] bool ends_in(const Block& block) {
+    if constexpr (any_hit) {
+      if (!block_occludes(block, block_test_, limit_)) return false;
+      best_.place = block.first;
+      return true;
+    } else {
+      intersect_block(block, block_test_, tree_, best_, limit_);
+      return false;
     }
-    return any;
   }
 
   const TreeView& tree_;
