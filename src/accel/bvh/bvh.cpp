@@ -131,7 +131,7 @@ const Kernel& choose_kernel(std::optional<Isa> forced) {
 }
 
 /// Rays whose directions are not of one octant are better traced alone where in a packet each of them would visit
-/// many more nodes and blocks alone than this: one in a tree larger than the caches of a core, since rays that
+/// more nodes and blocks alone than this: one in a tree larger than the caches of a core, since rays that
 /// take turns wait for memory together. Measured on diffuse rays of the dragon (5 visits: 1.2 times as fast
 /// alone), the bunny (2.5: 0.85) and synthetic geometry of 10^3 to 10^6 primitives.
 constexpr std::size_t kMostVisitsAlone = 4;
@@ -223,9 +223,9 @@ class Bvh final : public Accelerator {
     int count = 0;
   };
 
-  /// Answers a batch, packet by packet where the rays of a packet stay together on most of their way, else ray by
-  /// ray. What rays of packets visited alone is weighed against all rays so far: the more it is, the fewer packets
-  /// are tried again. take(i, t, u, v, place) is given each answer.
+  /// Answers a batch: packet by packet, as long as the rays of a packet stay together on most of their way; once
+  /// they turn out not to, ray by ray, but for packets of one octant. take(i, t, u, v, place) is given each
+  /// answer.
   template <class TracePacket, class TraceRays, class Take>
   void trace(const RayBatch& rays, TracePacket trace_packet, TraceRays trace_rays, const Take& take) const {
     RayList list;
@@ -238,14 +238,15 @@ class Bvh final : public Accelerator {
       list.count = 0;
     };
     const auto width = static_cast<std::size_t>(kernel_.packet);
-    std::size_t visits_alone = 0;
+    std::size_t in_packets = 0, visits_alone = 0;
     for (std::size_t first = 0; first < rays.count; first += width) {
       const std::size_t count = std::min(width, rays.count - first);
       std::uint32_t left_out = (1u << count) - 1u;
-      if (visits_alone <= most_visits_alone_ * first || is_coherent(rays, first, count)) {
+      if (visits_alone <= most_visits_alone_ * in_packets || is_coherent(rays, first, count)) {
         Padded padded;
         PacketHits found{};
         left_out = trace_packet(view_, packet_of(rays, first, count, padded), found);
+        in_packets += count;
         visits_alone += static_cast<std::size_t>(found.turns);
         for (std::size_t i = 0; i < count; ++i)
           take(first + i, found.t[i], found.u[i], found.v[i], found.place[i]);
