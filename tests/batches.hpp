@@ -9,7 +9,8 @@
 
 namespace raylab::test {
 
-/// Batches of any size give the answers of single rays, intervals that end at a hit included.
+/// Batches of any size give the answers of single rays, and occlusion is a hit, intervals that end at a hit
+/// included.
 inline void check_batches(const Accelerator& accelerator, std::vector<Ray> rays) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const auto hit = accelerator.intersect(rays[i]);
@@ -29,6 +30,7 @@ inline void check_batches(const Accelerator& accelerator, std::vector<Ray> rays)
       INFO("ray " << first + i << ", " << i << " of a batch of " << count);
       const auto single = accelerator.intersect(rays[first + i]);
       REQUIRE(hits[i] == single);
+      REQUIRE(accelerator.occluded(rays[first + i]) == single.has_value());
       REQUIRE(occluded[i] == (single ? 1 : 0));
     }
     first += count;

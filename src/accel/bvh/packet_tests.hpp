@@ -39,8 +39,9 @@ class PacketTriangleTest {
     WideMask unsure;     ///< only the scalar test can tell
     Wide t, beta, gamma;
   };
-  /// False where no lane has a hit.
-  bool operator()(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit,
+  /// False where no lane has a hit. With any_hit the distances need not be right.
+  template <bool any_hit>
+  bool find(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit,
                   Found& found) const {
     const Wide zero(0.0f);
     const Wide u = c.x * b.y - c.y * b.x;
@@ -66,9 +67,14 @@ class PacketTriangleTest {
         (error < Wide(kTrustedSlope) * depth) | ((found.t < zero) & (error < Wide(kTrustedSignSlope) * depth));
     const WideMask sure =
         inside & (Wide(0x1p-100f) < size) & (size < Wide(0x1p120f)) & (smallest != zero) & (largest != zero);
+    const Wide margin = greater(error, Wide(kSmallestError)) * Wide(kRoughError) * magnitude(found.t);
+    WideMask decided = precise | (margin < (found.t - limit) * depth);
+    if constexpr (any_hit) {
+      decided = decided | ((margin < (limit - found.t) * depth) & (margin < (found.t - t_min) * depth));
+    }
     found.unsure = inside & !sure;
-    found.imprecise = sure & !precise;
-    found.hit = sure & precise & (t_min < found.t) & (found.t <= limit);
+    found.imprecise = sure & !decided;
+    found.hit = sure & decided & (t_min < found.t) & (found.t <= limit);
     return any(found.hit | found.imprecise | found.unsure);
   }
 

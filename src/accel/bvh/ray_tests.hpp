@@ -15,6 +15,12 @@ using detail::kTrustedSignSlope;
 using detail::kTrustedSlope;
 constexpr float kBookSmallestDeterminant = 1e-8f;
 
+/// A t that is not trusted errs by no more than |t| kRoughError slope (detail::kTrustedSlope has the slope, an
+/// error over a depth): some 50 roundings of 2^-24, in theory. Where that decides on which side of the limit it
+/// is, t need not be computed again. Below kSmallestError the slope's own rounding would count.
+constexpr float kRoughError = 0x1p-18f;
+constexpr float kSmallestError = 0x1p-100f;
+
 inline bool negative(float x) { return __builtin_signbit(x) != 0; }
 
 /// The slab test of a ray against all children of a node. A child is hit unless the ray certainly misses it: the
@@ -115,7 +121,7 @@ class BlockTest<Intersector::watertight> {
   }
 
   /// The lanes whose edge functions do not differ in sign.
-  template <class Block>
+  template <bool any_hit, class Block>
   std::uint32_t find(const Block& block, [[maybe_unused]] float limit) {
     constexpr int vectors = Corners<Block>::vectors;
     const Float16 zero = Float16::splat(0.0f);
@@ -167,8 +173,14 @@ class BlockTest<Intersector::watertight> {
                                   (less(t, zero) & less(error, Float16::splat(kTrustedSignSlope) * depth));
     const std::uint32_t sure = less(Float16::splat(0x1p-100f), size) & less(size, Float16::splat(0x1p120f)) &
                                ~equal(smallest, zero) & ~equal(largest, zero);
+    const Float16 margin = max(error, Float16::splat(kSmallestError)) * Float16::splat(kRoughError) * abs(t);
+    std::uint32_t decided = precise | less(margin, (t - Float16::splat(limit)) * depth);
+    if constexpr (any_hit) {
+      decided |= less(margin, (Float16::splat(limit) - t) * depth) &
+                 less(margin, (t - Float16::splat(ray_.t_min)) * depth);
+    }
     unsure_ = found & ~sure;
-    imprecise_ = found & ~precise;
+    imprecise_ = found & ~decided;
     t.store(t_);
     beta.store(v_);
     gamma.store(w_);
@@ -176,7 +188,8 @@ class BlockTest<Intersector::watertight> {
            (found & less(Float16::splat(ray_.t_min), t) & less_equal(t, Float16::splat(limit)));
   }
 
-  template <class Block>
+  /// With any_hit the distance need not be right.
+  template <bool any_hit, class Block>
   bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
     if constexpr (kDividesAllLanes) {
       if ((unsure_ >> lane & 1u) != 0) [[unlikely]]
@@ -206,8 +219,12 @@ class BlockTest<Intersector::watertight> {
     const float z_size = largest_of(__builtin_fabsf(z_[a]), __builtin_fabsf(z_[b]), __builtin_fabsf(z_[c]));
     const float error = z_size * (larger_of(__builtin_fabsf(ab), __builtin_fabsf(ac)) * xy_size);
     const float depth = __builtin_fabsf(z) * size;
-    if (!(error < (t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth))
-      t = plane_distance(block, lane, ray_, t);
+    if (!(error < (t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth)) {
+      const float margin = larger_of(error, kSmallestError) * kRoughError * __builtin_fabsf(t);
+      if (margin < (t - limit) * depth) return false;
+      if (!(any_hit && margin < (limit - t) * depth && margin < (t - ray_.t_min) * depth))
+        t = plane_distance(block, lane, ray_, t);
+    }
     hit = {t, beta, gamma, block.first + static_cast<std::uint32_t>(lane)};
     return (t > ray_.t_min) & (t <= limit);
   }
@@ -237,7 +254,7 @@ class BlockTest {
  public:
   explicit BlockTest(const KernelRay& ray) : ray_(ray) {}
 
-  template <class Block>
+  template <bool any_hit, class Block>
   std::uint32_t find(const Block& block, float limit) {
     constexpr int vectors = Corners<Block>::vectors;
     constexpr float smallest_determinant = kind == Intersector::book ? kBookSmallestDeterminant : 0.0f;
@@ -273,7 +290,7 @@ class BlockTest {
     return found;
   }
 
-  template <class Block>
+  template <bool any_hit, class Block>
   bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
     hit = {t_[lane], u_[lane], v_[lane], block.first + static_cast<std::uint32_t>(lane)};
     return hit.t <= limit;

@@ -36,17 +36,17 @@ inline void prefetch(const TreeView& tree, Ref ref) {
 template <class Test, class Block>
 [[gnu::always_inline]] inline void intersect_block(const Block& block, Test& test, const TreeView& tree,
                                                    KernelHit& best, float& limit) {
-  for (std::uint32_t found = test.find(block, limit); found != 0; found &= found - 1) {
+  for (std::uint32_t found = test.template find<false>(block, limit); found != 0; found &= found - 1) {
     KernelHit hit;
-    if (test.decide(block, __builtin_ctz(found), limit, hit)) take(hit, tree, best, limit);
+    if (test.template decide<false>(block, __builtin_ctz(found), limit, hit)) take(hit, tree, best, limit);
   }
 }
 
 template <class Test, class Block>
 [[gnu::always_inline]] inline bool block_occludes(const Block& block, Test& test, float limit) {
-  for (std::uint32_t found = test.find(block, limit); found != 0; found &= found - 1) {
+  for (std::uint32_t found = test.template find<true>(block, limit); found != 0; found &= found - 1) {
     KernelHit hit;
-    if (test.decide(block, __builtin_ctz(found), limit, hit)) return true;
+    if (test.template decide<true>(block, __builtin_ctz(found), limit, hit)) return true;
   }
   return false;
 }

@@ -129,7 +129,8 @@ class Packet {
         for (int k = 0; k < 3; ++k) transform(k, corner_of(block, k, lane));
       }
       PacketTriangleTest::Found found;
-      if (!triangle_test_(active, vertices[a], vertices[b], vertices[c], t_min_, best_t_, found)) continue;
+      if (!triangle_test_.find<any_hit>(active, vertices[a], vertices[b], vertices[c], t_min_, best_t_, found))
+        continue;
       if (any(found.unsure)) {
         best_t_.store(limits_);
         for (std::uint32_t left = found.unsure.bits(); left != 0; left &= left - 1) {
