@@ -91,7 +91,7 @@ class Accelerator {
 };
 
 /// How much building time `bvh` may spend on a better tree: `fast` sorts into 16 bins an axis, `balanced` into 32,
-/// and `best` then moves subtrees to where they cost least.
+/// and `best` also splits the space that primitives share and moves subtrees to where they cost least.
 enum class BvhQuality { fast, balanced, best };
 
 /// Choices for those accelerators that offer them.

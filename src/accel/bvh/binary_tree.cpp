@@ -1,17 +1,17 @@
 #include "binary_tree.hpp"
 
-#include <emmintrin.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <optional>
 #include <vector>
 
+#include "build_box.hpp"
 #include "layout.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
 #include "reinsertion.hpp"
+#include "spatial_split.hpp"
 #include "vertex_set.hpp"
 
 namespace raylab::bvh {
@@ -25,46 +25,13 @@ static_assert(kHeuristicDepth + 32 < kMaxDepth);
 
 /// Subtrees of fewer primitives are built by one thread.
 constexpr std::uint32_t kParallelGrain = 4096;
-constexpr std::size_t kChunk = 16384;
 
 constexpr int kMostBins = 32;
-
-__m128 load(const vec3& v) { return _mm_load_ps(&v.x); }  // of a Primitive or BinaryNode: 16 bytes, aligned
-
-struct Box {
-  __m128 lower = _mm_set1_ps(kInfinity);
-  __m128 upper = _mm_set1_ps(-kInfinity);
-
-  void extend(__m128 point) {
-    lower = _mm_min_ps(lower, point);
-    upper = _mm_max_ps(upper, point);
-  }
-  void extend(const Box& box) {
-    lower = _mm_min_ps(lower, box.lower);
-    upper = _mm_max_ps(upper, box.upper);
-  }
-  void extend(const Primitive& p) {
-    lower = _mm_min_ps(lower, load(p.lower));
-    upper = _mm_max_ps(upper, load(p.upper));
-  }
-};
-
-/// Half the area of a box whose sides are multiplied by `scale`; not a number if it is empty.
-float scaled_area(const Box& box, __m128 scale) {
-  alignas(16) float d[4];
-  _mm_store_ps(d, _mm_mul_ps(_mm_sub_ps(box.upper, box.lower), scale));
-  return d[0] * (d[1] + d[2]) + d[1] * d[2];
-}
-
-/// Twice the centre.
-__m128 center(const Primitive& p) { return _mm_add_ps(load(p.lower), load(p.upper)); }
-
-/// Cost of testing n primitives that one leaf or several hold.
-float leaf_cost(std::uint32_t n) { return static_cast<float>((n + 7) / 8); }
 
 /// A range of primitives with what the next split needs to know of it.
 struct Range {
   std::uint32_t begin, end;
+  std::uint32_t room;  ///< from `end` to here are places for references that spatial splits add
   Box bounds;
   Box centers;  ///< of the doubled centres
 
@@ -99,98 +66,45 @@ struct Split {
   int axis = -1;  ///< none found
   int bin = 0;    ///< bins below this one go left
   float cost = kInfinity;
+  Box shared;  ///< what the boxes of both sides have in common; only where space may be split
 };
+
+/// References that splits of space may add, for each primitive.
+constexpr double kSpareReferences = 0.3;
+/// Space is split where the boxes of an object split share more than this part of the root's area (alpha of Stich,
+/// Friedrich and Dietrich 2009).
+constexpr double kSharedArea = 1e-5;
+/// Smaller ranges make one leaf or two, which the heuristic knows too little of.
+constexpr std::uint32_t kSmallestSpatialSplit = 2 * kBlockSize;
 
 class Builder {
  public:
-  Builder(const Geometry& geometry, BvhQuality quality, BinaryTree& tree)
-      : geometry_(geometry), bins_(quality == BvhQuality::fast ? 16 : kMostBins), tree_(tree) {}
+  Builder(const Geometry& geometry, BvhQuality quality, Splits splits, BinaryTree& tree)
+      : geometry_(geometry),
+        bins_(quality == BvhQuality::fast ? 16 : kMostBins),
+        splits_space_(splits == Splits::of_space_too),
+        tree_(tree) {}
 
   void run() {
-    collect();
-    const auto count = static_cast<std::uint32_t>(tree_.primitives.size());
-    if (count == 0) return;
-    RAYLAB_CHECK(tree_.primitives.size() <= kLargestRefIndex);
-    tree_.nodes = HugeArray<BinaryNode>(2 * static_cast<std::size_t>(count) - 1);  // touched only where used
-    Range all{0, count, {}, {}};
-    for (const Primitive& p : tree_.primitives) {
-      all.bounds.extend(p);
-      all.centers.extend(center(p));
+    Primitives collected = collect_primitives(geometry_, splits_space_ ? kSpareReferences : 0.0);
+    tree_.primitive_count = collected.count;
+    tree_.primitives = std::move(collected.all);
+    if (collected.count == 0) {
+      tree_.primitives.shrink(0);
+      return;
     }
+    const std::size_t room = splits_space_ ? tree_.primitives.size() : collected.count;
+    tree_.primitives.shrink(room);
+    RAYLAB_CHECK(room <= kLargestRefIndex);
+    tree_.nodes = HugeArray<BinaryNode>(2 * room - 1);  // touched only where used
+    Range all{0, static_cast<std::uint32_t>(collected.count), static_cast<std::uint32_t>(room), {}, {}};
+    add_all(all);
     build(0, all, 1);
     tree_.nodes.shrink(next_node_);
+    if (splits_space_) close_gaps();
   }
 
  private:
-  /// Bounds that no ray misses that the triangle test lets hit. Where the test is off, it is by the rounding of
-  /// coordinates relative to the origin of the ray, so by a few units in the last place of the distance, which
-  /// the box test allows for, and of the size of the triangle.
-  static void grow(Primitive& p, float size) {
-    for (int axis = 0; axis < 3; ++axis) {
-      p.lower[axis] -= size * 0x1p-21f + std::abs(p.lower[axis]) * 0x1p-23f;
-      p.upper[axis] += size * 0x1p-21f + std::abs(p.upper[axis]) * 0x1p-23f;
-    }
-  }
-
-  void collect() {
-    struct Chunk {
-      std::uint32_t geometry;
-      std::size_t first, count;
-      std::size_t target;
-      std::size_t valid = 0;
-    };
-    std::vector<Chunk> chunks;
-    std::size_t total = 0;
-    for (std::uint32_t g = 0; g <= geometry_.sphere_geometry(); ++g) {
-      const std::size_t size =
-          geometry_.is_sphere(g) ? geometry_.spheres.size() : geometry_.meshes[g].triangles.size();
-      for (std::size_t first = 0; first < size; first += kChunk) {
-        const std::size_t count = std::min(kChunk, size - first);
-        chunks.push_back({g, first, count, total});
-        total += count;
-      }
-    }
-    tree_.primitives = HugeArray<Primitive>(total);
-    HugeArray<Primitive>& primitives = tree_.primitives;
-    parallel_for(chunks.size(), [&](std::size_t c) {
-      Chunk& chunk = chunks[c];
-      Primitive* out = primitives.data() + chunk.target;
-      for (std::size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
-        if (make_primitive({chunk.geometry, static_cast<std::uint32_t>(i)}, *out)) ++out;
-      }
-      chunk.valid = static_cast<std::size_t>(out - primitives.data()) - chunk.target;
-    });
-    std::size_t valid = 0;
-    for (const Chunk& chunk : chunks) {
-      if (valid != chunk.target) {
-        std::copy_n(primitives.begin() + chunk.target, chunk.valid, primitives.begin() + valid);
-      }
-      valid += chunk.valid;
-    }
-    primitives.shrink(valid);
-  }
-
-  bool make_primitive(const PrimitiveId& id, Primitive& out) const {
-    out.geometry = id.geometry;
-    out.primitive = id.primitive;
-    if (geometry_.is_sphere(id.geometry)) {
-      const Sphere& sphere = geometry_.spheres[id.primitive];
-      if (!is_valid_sphere(sphere)) return false;
-      const Bounds b = sphere_bounds(sphere);
-      out.lower = b.lower;
-      out.upper = b.upper;
-      grow(out, 0.0f);
-      return true;
-    }
-    const TriangleMesh& mesh = geometry_.meshes[id.geometry];
-    if (!is_valid_triangle(mesh, id.primitive)) return false;
-    const Bounds b = triangle_bounds(triangle_corners(mesh, id.primitive));
-    out.lower = b.lower;
-    out.upper = b.upper;
-    grow(out, max_component(b.diagonal()));
-    return true;
-  }
-
   /// What leaf the primitives can be: a sphere alone, or triangles that share their vertices or hardly do.
   /// Triangles in between are parted, into two smaller blocks instead of one that is larger than both.
   std::optional<RefKind> leaf_kind(const Range& range) const {
@@ -216,13 +130,15 @@ class Builder {
     _mm_store_ps(&node.lower.x, range.bounds.lower);
     _mm_store_ps(&node.upper.x, range.bounds.upper);
     if (const auto kind = leaf_kind(range)) {
+      Primitive* const begin = tree_.primitives.begin() + range.begin;
+      Primitive* const end = tree_.primitives.begin() + range.end;
+      std::sort(begin, end, [](const Primitive& a, const Primitive& b) {
+        return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
+      });
+      const auto same = [](const Primitive& a, const Primitive& b) { return a.id() == b.id(); };
       node.first = range.begin;
-      node.count = static_cast<std::uint16_t>(range.size());
+      node.count = static_cast<std::uint16_t>((splits_space_ ? std::unique(begin, end, same) : end) - begin);
       node.kind = *kind;
-      std::sort(tree_.primitives.begin() + range.begin, tree_.primitives.begin() + range.end,
-                [](const Primitive& a, const Primitive& b) {
-                  return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
-                });
       return;
     }
     Range left, right;
@@ -240,24 +156,87 @@ class Builder {
   }
 
   void split(const Range& range, int depth, Range& left, Range& right) {
-    left = {range.begin, range.begin, {}, {}};
-    right = {range.end, range.end, {}, {}};
-    if (range.size() <= kBlockSize && split_by_kind(range, left, right)) return;
-    if (depth < kHeuristicDepth) {
-      const int bins = std::min(bins_, 8 + static_cast<int>(range.size() / 8));
-      const Binning binning(range, bins);
-      const Split best = find_split(range, binning);
-      if (best.axis >= 0) {
-        const auto axis = static_cast<std::size_t>(best.axis);
-        partition(range, left, right, [&](const Primitive& p) {
-          alignas(16) std::array<int, 4> bin;
-          _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()), binning(p));
-          return bin[axis] < best.bin;
-        });
-        return;
+    left = {range.begin, range.begin, range.begin, {}, {}};
+    right = {range.end, range.end, range.end, {}, {}};
+    if (!split_by_cost(range, depth, left, right)) split_in_half(range, left, right);
+    if (range.room > right.end) share_room(range, left, right);
+  }
+
+  bool split_by_cost(const Range& range, int depth, Range& left, Range& right) {
+    if (range.size() <= kBlockSize && split_by_kind(range, left, right)) return true;
+    if (depth >= kHeuristicDepth) return false;
+    const int bins = std::min(bins_, 8 + static_cast<int>(range.size() / 8));
+    const Binning binning(range, bins);
+    const Split best = find_split(range, binning);
+    if (splits_space_ && range.room > range.end && range.size() > kSmallestSpatialSplit &&
+        split_space(range, best, left, right)) return true;
+    if (best.axis < 0) return false;
+    const auto axis = static_cast<std::size_t>(best.axis);
+    partition(range, left, right, [&](const Primitive& p) {
+      alignas(16) std::array<int, 4> bin;
+      _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()), binning(p));
+      return bin[axis] < best.bin;
+    });
+    return true;
+  }
+
+  /// Splits space where that costs less than the given split of the primitives, and there is room.
+  bool split_space(const Range& range, const Split& other, Range& left, Range& right) {
+    const BinaryNode& root = tree_.nodes[0];
+    BinaryNode shared = root;
+    _mm_store_ps(&shared.lower.x, other.shared.lower);
+    _mm_store_ps(&shared.upper.x, other.shared.upper);
+    const bool parts_well = glm::any(glm::lessThan(shared.upper, shared.lower)) ||
+                            half_area(shared) <= kSharedArea * half_area(root);
+    if (other.axis >= 0 && parts_well) return false;
+    const std::span<const Primitive> references(tree_.primitives.begin() + range.begin, range.size());
+    const __m128 scale = area_scale(range);
+    const SpatialSplit split = find_spatial_split(geometry_, references, range.bounds, scale);
+    if (split.axis < 0 || !(split.cost < other.cost)) return false;
+    std::vector<Primitive> in_left, in_right;
+    part(geometry_, references, split, scale, in_left, in_right);
+    const std::size_t total = in_left.size() + in_right.size();
+    if (in_left.empty() || in_right.empty() || total > range.room - range.begin) return false;
+    if (total == 2 * range.size()) return false;  // nothing is parted
+    std::copy(in_left.begin(), in_left.end(), tree_.primitives.begin() + range.begin);
+    std::copy(in_right.begin(), in_right.end(), tree_.primitives.begin() + range.begin + in_left.size());
+    left.end = right.begin = range.begin + static_cast<std::uint32_t>(in_left.size());
+    right.end = range.begin + static_cast<std::uint32_t>(total);
+    add_all(left);
+    add_all(right);
+    return true;
+  }
+
+  /// Parts the room behind a range among its two sides, as their sizes are.
+  void share_room(const Range& range, Range& left, Range& right) const {
+    const std::uint64_t spare = range.room - right.end;
+    const auto of_left = static_cast<std::uint32_t>(spare * left.size() / (left.size() + right.size()));
+    std::move_backward(tree_.primitives.begin() + right.begin, tree_.primitives.begin() + right.end,
+                       tree_.primitives.begin() + right.end + of_left);
+    right.begin += of_left;
+    right.end += of_left;
+    left.room = right.begin;
+    right.room = range.room;
+  }
+
+  /// Moves the primitives of the leaves together, in their order in the tree.
+  void close_gaps() {
+    std::vector<Primitive> kept;
+    kept.reserve(tree_.primitives.size());
+    std::vector<std::uint32_t> stack{0};
+    while (!stack.empty()) {
+      BinaryNode& node = tree_.nodes[stack.back()];
+      stack.pop_back();
+      if (!node.is_leaf()) {
+        stack.insert(stack.end(), {node.first + 1, node.first});
+        continue;
       }
+      const Primitive* const from = tree_.primitives.begin() + node.first;
+      node.first = static_cast<std::uint32_t>(kept.size());
+      kept.insert(kept.end(), from, from + node.count);
     }
-    split_in_half(range, left, right);
+    std::copy(kept.begin(), kept.end(), tree_.primitives.begin());
+    tree_.primitives.shrink(kept.size());
   }
 
   /// Spheres go right, since a leaf does not mix them with triangles.
@@ -286,14 +265,24 @@ class Builder {
                        return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
                      });
     left.end = right.begin = range.begin + half;
-    for (Range* part : {&left, &right}) {
-      for (std::uint32_t i = part->begin; i < part->end; ++i) add(tree_.primitives[i], *part);
-    }
+    add_all(left);
+    add_all(right);
   }
 
   static void add(const Primitive& p, Range& range) {
     range.bounds.extend(p);
     range.centers.extend(center(p));
+  }
+
+  void add_all(Range& range) const {
+    for (std::uint32_t i = range.begin; i < range.end; ++i) add(tree_.primitives[i], range);
+  }
+
+  /// Areas relative to the largest side, so that the squares stay in the range of float.
+  static __m128 area_scale(const Range& range) {
+    alignas(16) float extent[4];
+    _mm_store_ps(extent, _mm_sub_ps(range.bounds.upper, range.bounds.lower));
+    return _mm_set1_ps(1.0f / std::max(extent[0], std::max(extent[1], extent[2])));
   }
 
   template <class GoesLeft>
@@ -322,10 +311,7 @@ class Builder {
       }
     }
 
-    alignas(16) float extent[4];
-    _mm_store_ps(extent, _mm_sub_ps(range.bounds.upper, range.bounds.lower));
-    // Areas relative to the largest side, so that the squares stay in the range of float.
-    const __m128 scale = _mm_set1_ps(1.0f / std::max(extent[0], std::max(extent[1], extent[2])));
+    const __m128 scale = area_scale(range);
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
       if (!binning.usable(axis)) continue;
@@ -344,23 +330,30 @@ class Builder {
         left_count += counts[axis][bin - 1];
         if (left_count == 0) continue;
         const float cost = scaled_area(left, scale) * leaf_cost(left_count) + right_costs[bin];
-        if (cost < best.cost) best = {axis, bin, cost};
+        if (cost < best.cost) best = {axis, bin, cost, {}};
       }
+    }
+    if (splits_space_ && best.axis >= 0) {
+      Box left, right;
+      for (int bin = 0; bin < best.bin; ++bin) left.extend(boxes[best.axis][bin]);
+      for (int bin = best.bin; bin < binning.bins; ++bin) right.extend(boxes[best.axis][bin]);
+      best.shared = {_mm_max_ps(left.lower, right.lower), _mm_min_ps(left.upper, right.upper)};
     }
     return best;
   }
 
   const Geometry& geometry_;
   int bins_;
+  bool splits_space_;
   BinaryTree& tree_;
   std::atomic<std::uint32_t> next_node_{1};
 };
 
 }  // namespace
 
-BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality) {
+BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality, Splits splits) {
   BinaryTree tree;
-  Builder(geometry, quality, tree).run();
+  Builder(geometry, quality, splits, tree).run();
   if (quality == BvhQuality::best) reinsert_subtrees(tree);
   return tree;
 }

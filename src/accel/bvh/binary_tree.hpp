@@ -4,21 +4,10 @@
 
 #include "huge_array.hpp"
 #include "layout.hpp"
+#include "primitives.hpp"
 #include "raylab/accel/accelerator.hpp"
-#include "raylab/core/bounds.hpp"
 
 namespace raylab::bvh {
-
-/// A primitive while the tree is built: its conservative bounds and its id.
-struct alignas(16) Primitive {
-  vec3 lower;
-  std::uint32_t geometry;
-  vec3 upper;
-  std::uint32_t primitive;
-
-  PrimitiveId id() const { return {geometry, primitive}; }
-};
-static_assert(sizeof(Primitive) == 32);
 
 struct alignas(16) BinaryNode {
   vec3 lower;
@@ -41,12 +30,15 @@ double half_area(const Box& box) {
 }
 
 struct BinaryTree {
-  HugeArray<Primitive> primitives;  ///< the valid ones, in the order of the leaves
+  std::size_t primitive_count = 0;  ///< valid ones
+  HugeArray<Primitive> primitives;  ///< those, in the order of the leaves; some more than once if space is split
   HugeArray<BinaryNode> nodes;      ///< the root first, children after their parents; none without primitives
 };
 
-/// The tree does not depend on the number of threads. A leaf is one sphere, or up to kBlockSize
+enum class Splits { of_primitives, of_space_too };
+
+/// The tree does not depend on the number of threads. A leaf is one sphere, or up to kBlockSize different
 /// triangles in ascending order of their ids. No leaf is deeper than kMaxDepth.
-BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality);
+BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality, Splits splits = Splits::of_primitives);
 
 }  // namespace raylab::bvh

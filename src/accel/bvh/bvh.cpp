@@ -162,8 +162,8 @@ class Bvh final : public Accelerator {
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     if (report_.bytes > kLargeTree) most_visits_alone_ = 1;
-    report_.primitives = tree_.ids.size();
-    report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
+    report_.primitives = tree_.primitives;
+    report_.invalid_primitives = geometry.primitive_count() - tree_.primitives;
     report_.nodes = tree_.nodes;
     report_.depth = tree_.depth;
     report_.sah_cost = tree_.sah_cost;

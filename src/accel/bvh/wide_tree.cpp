@@ -148,6 +148,7 @@ class Widener {
   Widener(const Geometry& geometry, BinaryTree&& binary) : geometry_(geometry), binary_(std::move(binary)) {}
 
   WideTree run() {
+    tree_.primitives = binary_.primitive_count;
     if (binary_.primitives.empty()) return std::move(tree_);
     const BinaryNode& root = binary_.nodes[0];
     if (root.is_leaf()) {
@@ -293,7 +294,15 @@ class Widener {
 std::size_t WideTree::bytes() const { return lines.bytes() + ids.bytes(); }
 
 WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
-  return Widener(geometry, build_binary_tree(geometry, quality)).run();
+  const auto build = [&](Splits splits) {
+    return Widener(geometry, build_binary_tree(geometry, quality, splits)).run();
+  };
+  if (quality != BvhQuality::best) return build(Splits::of_primitives);
+  WideTree tree = build(Splits::of_space_too);
+  if (tree.ids.size() == tree.primitives) return tree;
+  // Split by split it is the cheaper one, but not always as a whole.
+  WideTree whole = build(Splits::of_primitives);
+  return tree.sah_cost < whole.sah_cost ? std::move(tree) : std::move(whole);
 }
 
 }  // namespace raylab::bvh
