@@ -123,8 +123,9 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
   CHECK(best->build_report().sah_cost < 0.7 * balanced->build_report().sah_cost);
   CHECK(best->build_report().primitives == geometry.primitive_count());
   CHECK(best->build_report().bytes < 1.35 * static_cast<double>(balanced->build_report().bytes));
-  for (const auto& rays : {rays_into(geometry, 3000), rays_at_vertices(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1),
-                           rays_at_edges(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1)}) {
+  for (const auto& rays :
+       {rays_into(geometry, 3000), rays_at_vertices(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1),
+        rays_at_edges(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1)}) {
     for (const Ray& ray : rays) {
       const auto expected = list->intersect(ray);
       REQUIRE(best->intersect(ray) == expected);

@@ -50,34 +50,18 @@ std::string line_of(const Row& row) {
 
 int ladder(const RaysOptions& options) {
   const std::vector<Step> all = steps();
-  Suite suite(options.out, "ladder", options.command_line);
-  const InterruptGuard guard;
-  constexpr double kKinds = 5.0;
-  suite.expect(kKinds * static_cast<double>(options.scenes.size()));
-  for (const std::string& file : options.scenes) {
-    const LoadedScene loaded = load(suite, file);
-    const Scene& scene = loaded.scene;
+  const auto build_all = [&](const Geometry& geometry, Suite& suite) {
     std::vector<Built> built;
     for (const Step& step : all) {
-      built.push_back(build(step, scene.geometry));
+      built.push_back(build(step, geometry));
       suite.check();
     }
-    const Judge judge(scene.geometry);
-    for (const RaySet& set : scene_ray_sets(scene, options)) {
-      if (!set.rays.empty()) {
-        std::vector<Row> rows = measure_rays(suite, "ladder", scene, set, built, judge, options);
-        std::vector<std::string> lines;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-          rows[i]["step"] = all[i].name;
-          lines.push_back(line_of(rows[i]));
-        }
-        suite.add(rows, lines);
-      }
-      suite.advance(1.0);
-    }
-  }
-  suite.finish();
-  return 0;
+    return built;
+  };
+  return run_ray_suite("ladder", options, build_all, [&](std::size_t index, Row& row) {
+    row["step"] = all[index].name;
+    return line_of(row);
+  });
 }
 
 }  // namespace raylab::bench

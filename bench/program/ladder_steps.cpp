@@ -4,135 +4,13 @@
 #include <array>
 #include <cmath>
 
-#include "raylab/core/bounds.hpp"
+#include "ladder_tree.hpp"
 #include "raylab/core/timing.hpp"
 #include "raylab/geometry/primitive_test.hpp"
 
 namespace raylab::bench {
 
 namespace {
-
-enum class Split { median, heuristic };
-
-constexpr std::uint32_t kLargestLeaf = 4;
-/// Splits by the median alone halve 2^32 primitives in 32 steps; the heuristic may take longer, but stops here.
-constexpr int kDeepestHeuristic = 64;
-constexpr int kStack = kDeepestHeuristic + 34;
-
-/// A leaf has its primitives in the order of the tree, an inner node its two children side by side.
-struct Node {
-  Bounds bounds;
-  std::uint32_t first;
-  std::uint32_t count;  ///< 0: inner
-
-  bool is_leaf() const { return count != 0; }
-};
-
-struct Tree {
-  std::vector<PrimitiveId> ids;
-  std::vector<Node> nodes;  ///< the root first; none without primitives
-  int depth = 0;
-};
-
-class Builder {
- public:
-  Builder(const Geometry& geometry, Split split) : split_(split) {
-    tree_.ids = valid_primitives(geometry);
-    for (const PrimitiveId& id : tree_.ids) items_.push_back({primitive_bounds(geometry, id), id});
-  }
-
-  Tree run() {
-    if (items_.empty()) return {};
-    tree_.nodes.emplace_back();
-    build(0, 0, static_cast<std::uint32_t>(items_.size()), 1);
-    for (std::size_t i = 0; i < items_.size(); ++i) tree_.ids[i] = items_[i].id;
-    return std::move(tree_);
-  }
-
- private:
-  struct Item {
-    Bounds bounds;
-    PrimitiveId id;
-  };
-
-  void build(std::size_t node, std::uint32_t begin, std::uint32_t end, int depth) {
-    Bounds bounds;
-    for (std::uint32_t i = begin; i < end; ++i) bounds.extend(items_[i].bounds);
-    tree_.depth = std::max(tree_.depth, depth);
-    const std::uint32_t middle = part(bounds, begin, end, depth);
-    tree_.nodes[node] = {bounds, begin, end - begin};
-    if (middle == begin) return;
-    const std::size_t child = tree_.nodes.size();
-    tree_.nodes[node] = {bounds, static_cast<std::uint32_t>(child), 0};
-    tree_.nodes.resize(child + 2);
-    build(child, begin, middle, depth + 1);
-    build(child + 1, middle, end, depth + 1);
-  }
-
-  /// Where the second part begins, or `begin` to make a leaf.
-  std::uint32_t part(const Bounds& bounds, std::uint32_t begin, std::uint32_t end, int depth) {
-    if (end - begin == 1) return begin;
-    if (split_ == Split::heuristic) {
-      if (end - begin <= kLargestLeaf) return begin;
-      const std::uint32_t middle = depth < kDeepestHeuristic ? part_by_heuristic(begin, end) : begin;
-      if (middle != begin) return middle;
-    }
-    const int axis = bounds.longest_axis();
-    std::sort(items_.begin() + begin, items_.begin() + end,
-              [axis](const Item& a, const Item& b) { return a.bounds.lower[axis] < b.bounds.lower[axis]; });
-    return begin + (end - begin) / 2;
-  }
-
-  std::uint32_t part_by_heuristic(std::uint32_t begin, std::uint32_t end) {
-    constexpr int kBins = 16;
-    Bounds centers;
-    for (std::uint32_t i = begin; i < end; ++i) centers.extend(items_[i].bounds.center());
-    const vec3 extent = centers.diagonal();
-    const auto bin_of = [&](const Item& item, int axis) {
-      const float place = (item.bounds.center()[axis] - centers.lower[axis]) / extent[axis];
-      return std::clamp(static_cast<int>(kBins * place), 0, kBins - 1);
-    };
-    int best_axis = -1, best_bin = 0;
-    double best_cost = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(extent[axis] > 0.0f)) continue;
-      std::array<Bounds, kBins> boxes;
-      std::array<int, kBins> counts{};
-      for (std::uint32_t i = begin; i < end; ++i) {
-        const auto bin = static_cast<std::size_t>(bin_of(items_[i], axis));
-        boxes[bin].extend(items_[i].bounds);
-        ++counts[bin];
-      }
-      std::array<double, kBins> left_costs{};
-      Bounds left, right;
-      int left_count = 0, right_count = 0;
-      for (std::size_t bin = 0; bin < kBins; ++bin) {
-        left_costs[bin] = left_count == 0 ? 0.0 : static_cast<double>(left.half_area()) * left_count;
-        left.extend(boxes[bin]);
-        left_count += counts[bin];
-      }
-      for (std::size_t bin = kBins - 1; bin > 0; --bin) {
-        right.extend(boxes[bin]);
-        right_count += counts[bin];
-        if (right_count == 0 || right_count == static_cast<int>(end - begin)) continue;
-        const double cost = left_costs[bin] + static_cast<double>(right.half_area()) * right_count;
-        if (cost < best_cost) {
-          best_cost = cost;
-          best_axis = axis;
-          best_bin = static_cast<int>(bin);
-        }
-      }
-    }
-    if (best_axis < 0) return begin;
-    const auto second = std::partition(items_.begin() + begin, items_.begin() + end,
-                                       [&](const Item& item) { return bin_of(item, best_axis) < best_bin; });
-    return static_cast<std::uint32_t>(second - items_.begin());
-  }
-
-  Split split_;
-  std::vector<Item> items_;
-  Tree tree_;
-};
 
 /// What the slab tests need of a ray.
 struct Slabs {
@@ -178,15 +56,16 @@ struct Entry {
 
 class Binary final : public Accelerator {
  public:
-  Binary(const Geometry& geometry, Split split) : geometry_(geometry) {
+  Binary(const Geometry& geometry, LadderSplit split) : geometry_(geometry) {
     const Stopwatch watch;
-    tree_ = Builder(geometry, split).run();
+    tree_ = build_ladder_tree(geometry, split);
     report_.seconds = watch.seconds();
-    report_.bytes = sizeof(*this) + tree_.ids.size() * sizeof(PrimitiveId) + tree_.nodes.size() * sizeof(Node);
+    report_.bytes =
+        sizeof(*this) + tree_.ids.size() * sizeof(PrimitiveId) + tree_.nodes.size() * sizeof(LadderNode);
     report_.primitives = tree_.ids.size();
     report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
     report_.depth = tree_.depth;
-    for (const Node& node : tree_.nodes) {
+    for (const LadderNode& node : tree_.nodes) {
       report_.nodes += node.is_leaf() ? 0 : 1;
       report_.sah_cost += static_cast<double>(node.bounds.half_area()) * (node.is_leaf() ? node.count : 1);
     }
@@ -209,7 +88,7 @@ class Binary final : public Accelerator {
     while (top > 0) {
       const Entry entry = stack[--top];
       if (!(entry.near < kInfinity) || entry.near > t_max) continue;
-      const Node& node = tree_.nodes[entry.node];
+      const LadderNode& node = tree_.nodes[entry.node];
       if (node.is_leaf()) {
         hit_leaf(geometry_, &tree_.ids[node.first], node.count, test, t_max, closest);
         if (any_hit && closest) return closest;
@@ -224,7 +103,7 @@ class Binary final : public Accelerator {
   }
 
   const Geometry& geometry_;
-  Tree tree_;
+  LadderTree tree_;
   BuildReport report_;
 };
 
@@ -233,7 +112,7 @@ constexpr std::size_t kWidth = 8;
 struct alignas(32) WideNode {
   float lower[3][kWidth], upper[3][kWidth];
   std::uint32_t first[kWidth];
-  std::uint32_t count[kWidth];  ///< as in Node
+  std::uint32_t count[kWidth];  ///< as in LadderNode
   std::uint32_t children = 0;
 };
 
@@ -241,7 +120,7 @@ class Wide final : public Accelerator {
  public:
   explicit Wide(const Geometry& geometry) : geometry_(geometry) {
     const Stopwatch watch;
-    Tree tree = Builder(geometry, Split::heuristic).run();
+    LadderTree tree = build_ladder_tree(geometry, LadderSplit::heuristic);
     report_.depth = 1;
     if (!tree.nodes.empty()) {
       if (tree.nodes[0].is_leaf()) tree.nodes.push_back(tree.nodes[0]);  // a node with one child, the leaf
@@ -262,7 +141,7 @@ class Wide final : public Accelerator {
 
  private:
   /// Opens the largest child until there are eight.
-  std::uint32_t widen(const Tree& tree, std::uint32_t root, int depth) {
+  std::uint32_t widen(const LadderTree& tree, std::uint32_t root, int depth) {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
     report_.depth = std::max(report_.depth, depth + 1);
@@ -281,7 +160,7 @@ class Wide final : public Accelerator {
     }
     WideNode node;
     for (const std::uint32_t child : children) {
-      const Node& from = tree.nodes[child];
+      const LadderNode& from = tree.nodes[child];
       const std::uint32_t lane = node.children++;
       for (int axis = 0; axis < 3; ++axis) {
         node.lower[axis][lane] = from.bounds.lower[axis];
@@ -365,10 +244,10 @@ class Wide final : public Accelerator {
 }  // namespace
 
 std::unique_ptr<Accelerator> make_flat(const Geometry& geometry, const AcceleratorOptions&) {
-  return std::make_unique<Binary>(geometry, Split::median);
+  return std::make_unique<Binary>(geometry, LadderSplit::median);
 }
 std::unique_ptr<Accelerator> make_heuristic(const Geometry& geometry, const AcceleratorOptions&) {
-  return std::make_unique<Binary>(geometry, Split::heuristic);
+  return std::make_unique<Binary>(geometry, LadderSplit::heuristic);
 }
 std::unique_ptr<Accelerator> make_wide(const Geometry& geometry, const AcceleratorOptions&) {
   return std::make_unique<Wide>(geometry);

@@ -31,8 +31,7 @@ int enough_repeats(std::span<const Accelerator* const> accelerators, std::span<c
   return std::max(least, std::min(kMost, static_cast<int>(kSeconds / fastest)));
 }
 
-}  // namespace
-
+/// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
 std::vector<RaySet> scene_ray_sets(const Scene& scene, const RaysOptions& options) {
   const auto walker = make_accelerator("bvh", scene.geometry);
   IntegratorSettings settings;
@@ -72,6 +71,35 @@ std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+}  // namespace
+
+int run_ray_suite(const std::string& name, const RaysOptions& options, const BuildAll& build_all,
+                  const Describe& describe) {
+  Suite suite(options.out, name, options.command_line);
+  const InterruptGuard guard;
+  constexpr double kKinds = 5.0;
+  suite.expect(kKinds * static_cast<double>(options.scenes.size()));
+  for (const std::string& file : options.scenes) {
+    const LoadedScene loaded = load(suite, file);
+    const Scene& scene = loaded.scene;
+    const std::vector<Built> built = build_all(scene.geometry, suite);
+    const Judge judge(scene.geometry);
+    for (const RaySet& set : scene_ray_sets(scene, options)) {
+      if (set.rays.empty()) {
+        suite.note(scene.name + " has no " + std::string(ray_kind_name(set.kind)) + " rays");
+      } else {
+        std::vector<Row> rows = measure_rays(suite, name, scene, set, built, judge, options);
+        std::vector<std::string> lines;
+        for (std::size_t i = 0; i < rows.size(); ++i) lines.push_back(describe(i, rows[i]));
+        suite.add(rows, lines);
+      }
+      suite.advance(1.0);
+    }
+  }
+  suite.finish();
+  return 0;
 }
 
 std::string speed_text(const Row& row) {

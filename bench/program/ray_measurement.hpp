@@ -1,6 +1,8 @@
 #pragma once
 // What the suites have in common that measure single rays and batches of the rays a scene sends.
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "commands.hpp"
@@ -10,12 +12,15 @@
 
 namespace raylab::bench {
 
-/// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
-std::vector<RaySet> scene_ray_sets(const Scene& scene, const RaysOptions& options);
+/// The accelerators of a suite, built for one scene.
+using BuildAll = std::function<std::vector<Built>(const Geometry& geometry, Suite& suite)>;
+/// What a suite adds to the row of the accelerator with that index; the line that people read of it.
+using Describe = std::function<std::string(std::size_t index, Row& row)>;
 
-/// All accelerators on one set of rays, timed in turns, then checked: a row for each, of the suite.
-std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const Scene& scene, const RaySet& set,
-                              std::span<const Built> built, const Judge& judge, const RaysOptions& options);
+/// A suite over the rays that the scenes' own paths send, and rays at their edges and vertices: for each kind of
+/// rays all accelerators, timed in turns, then checked, and a row for each of them. Returns the exit code.
+int run_ray_suite(const std::string& name, const RaysOptions& options, const BuildAll& build_all,
+                  const Describe& describe);
 
 /// Speeds and errors of such a row, for people.
 std::string speed_text(const Row& row);

@@ -33,33 +33,15 @@ std::string line_of(const Row& row) {
 
 int rays(const RaysOptions& options) {
   const std::vector<Variant> all = variants(options.accels, options.intersectors);
-  Suite suite(options.out, "rays", options.command_line);
-  const InterruptGuard guard;
-  constexpr double kKinds = 5.0;
-  suite.expect(kKinds * static_cast<double>(options.scenes.size()));
-  for (const std::string& file : options.scenes) {
-    const LoadedScene loaded = load(suite, file);
-    const Scene& scene = loaded.scene;
+  const auto build_all = [&](const Geometry& geometry, Suite& suite) {
     std::vector<Built> built;
-    for (const Variant& v : worthwhile(all, scene.geometry, suite)) {
-      built.push_back(build(v, scene.geometry, 1));
+    for (const Variant& v : worthwhile(all, geometry, suite)) {
+      built.push_back(build(v, geometry, 1));
       suite.check();
     }
-    const Judge judge(scene.geometry);
-    for (const RaySet& set : scene_ray_sets(scene, options)) {
-      if (set.rays.empty()) {
-        suite.note(scene.name + " has no " + std::string(ray_kind_name(set.kind)) + " rays");
-      } else {
-        const std::vector<Row> rows = measure_rays(suite, "rays", scene, set, built, judge, options);
-        std::vector<std::string> lines;
-        for (const Row& row : rows) lines.push_back(line_of(row));
-        suite.add(rows, lines);
-      }
-      suite.advance(1.0);
-    }
-  }
-  suite.finish();
-  return 0;
+    return built;
+  };
+  return run_ray_suite("rays", options, build_all, [](std::size_t, Row& row) { return line_of(row); });
 }
 
 }  // namespace raylab::bench

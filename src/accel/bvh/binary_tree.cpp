@@ -4,10 +4,12 @@
 #include <array>
 #include <atomic>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "build_box.hpp"
 #include "layout.hpp"
+#include "object_split.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
 #include "reinsertion.hpp"
@@ -26,8 +28,6 @@ static_assert(kHeuristicDepth + 32 < kMaxDepth);
 /// Subtrees of fewer primitives are built by one thread.
 constexpr std::uint32_t kParallelGrain = 4096;
 
-constexpr int kMostBins = 32;
-
 /// A range of primitives with what the next split needs to know of it.
 struct Range {
   std::uint32_t begin, end;
@@ -36,37 +36,6 @@ struct Range {
   Box centers;  ///< of the doubled centres
 
   std::uint32_t size() const { return end - begin; }
-};
-
-/// Maps centres to bins, the same way for counting and for partitioning.
-struct Binning {
-  int bins;
-  __m128 origin, scale, last;
-
-  Binning(const Range& range, int count) : bins(count), origin(range.centers.lower) {
-    last = _mm_set1_ps(static_cast<float>(bins - 1));
-    const __m128 extent = _mm_sub_ps(range.centers.upper, range.centers.lower);
-    scale = _mm_div_ps(_mm_set1_ps(0.9999f * static_cast<float>(bins)), extent);
-  }
-
-  /// Whether the centres differ along the axis, by enough to compute with.
-  bool usable(int axis) const {
-    alignas(16) float s[4];
-    _mm_store_ps(s, scale);
-    return s[axis] < kInfinity;
-  }
-
-  __m128i operator()(const Primitive& p) const {
-    const __m128 bin = _mm_mul_ps(_mm_sub_ps(center(p), origin), scale);
-    return _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(bin, _mm_setzero_ps()), last));
-  }
-};
-
-struct Split {
-  int axis = -1;  ///< none found
-  int bin = 0;    ///< bins below this one go left
-  float cost = kInfinity;
-  Box shared;  ///< what the boxes of both sides have in common; only where space may be split
 };
 
 /// References that splits of space may add, for each primitive.
@@ -166,10 +135,11 @@ class Builder {
     if (range.size() <= kBlockSize && split_by_kind(range, left, right)) return true;
     if (depth >= kHeuristicDepth) return false;
     const int bins = std::min(bins_, 8 + static_cast<int>(range.size() / 8));
-    const Binning binning(range, bins);
-    const Split best = find_split(range, binning);
+    const Binning binning(range.centers, bins);
+    const ObjectSplit best = find_object_split(references(range), range.bounds, binning);
     if (splits_space_ && range.room > range.end && range.size() > kSmallestSpatialSplit &&
-        split_space(range, best, left, right)) return true;
+        split_space(range, best, left, right))
+      return true;
     if (best.axis < 0) return false;
     const auto axis = static_cast<std::size_t>(best.axis);
     partition(range, left, right, [&](const Primitive& p) {
@@ -181,20 +151,19 @@ class Builder {
   }
 
   /// Splits space where that costs less than the given split of the primitives, and there is room.
-  bool split_space(const Range& range, const Split& other, Range& left, Range& right) {
+  bool split_space(const Range& range, const ObjectSplit& other, Range& left, Range& right) {
     const BinaryNode& root = tree_.nodes[0];
     BinaryNode shared = root;
     _mm_store_ps(&shared.lower.x, other.shared.lower);
     _mm_store_ps(&shared.upper.x, other.shared.upper);
-    const bool parts_well = glm::any(glm::lessThan(shared.upper, shared.lower)) ||
-                            half_area(shared) <= kSharedArea * half_area(root);
+    const bool parts_well =
+        glm::any(glm::lessThan(shared.upper, shared.lower)) || half_area(shared) <= kSharedArea * half_area(root);
     if (other.axis >= 0 && parts_well) return false;
-    const std::span<const Primitive> references(tree_.primitives.begin() + range.begin, range.size());
-    const __m128 scale = area_scale(range);
-    const SpatialSplit split = find_spatial_split(geometry_, references, range.bounds, scale);
+    const __m128 scale = area_scale(range.bounds);
+    const SpatialSplit split = find_spatial_split(geometry_, references(range), range.bounds, scale);
     if (split.axis < 0 || !(split.cost < other.cost)) return false;
     std::vector<Primitive> in_left, in_right;
-    part(geometry_, references, split, scale, in_left, in_right);
+    part(geometry_, references(range), split, scale, in_left, in_right);
     const std::size_t total = in_left.size() + in_right.size();
     if (in_left.empty() || in_right.empty() || total > range.room - range.begin) return false;
     if (total == 2 * range.size()) return false;  // nothing is parted
@@ -274,15 +243,12 @@ class Builder {
     range.centers.extend(center(p));
   }
 
-  void add_all(Range& range) const {
-    for (std::uint32_t i = range.begin; i < range.end; ++i) add(tree_.primitives[i], range);
+  std::span<const Primitive> references(const Range& range) const {
+    return {tree_.primitives.begin() + range.begin, range.size()};
   }
 
-  /// Areas relative to the largest side, so that the squares stay in the range of float.
-  static __m128 area_scale(const Range& range) {
-    alignas(16) float extent[4];
-    _mm_store_ps(extent, _mm_sub_ps(range.bounds.upper, range.bounds.lower));
-    return _mm_set1_ps(1.0f / std::max(extent[0], std::max(extent[1], extent[2])));
+  void add_all(Range& range) const {
+    for (std::uint32_t i = range.begin; i < range.end; ++i) add(tree_.primitives[i], range);
   }
 
   template <class GoesLeft>
@@ -296,50 +262,6 @@ class Builder {
       std::swap(*i, *(j - 1));
     }
     left.end = right.begin = static_cast<std::uint32_t>(i - tree_.primitives.data());
-  }
-
-  [[gnu::noinline]] Split find_split(const Range& range, const Binning& binning) const {
-    Box boxes[3][kMostBins];
-    std::uint32_t counts[3][kMostBins] = {};
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const Primitive& p = tree_.primitives[i];
-      alignas(16) int bin[4];
-      _mm_store_si128(reinterpret_cast<__m128i*>(bin), binning(p));
-      for (int axis = 0; axis < 3; ++axis) {
-        boxes[axis][bin[axis]].extend(p);
-        ++counts[axis][bin[axis]];
-      }
-    }
-
-    const __m128 scale = area_scale(range);
-    Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!binning.usable(axis)) continue;
-      float right_costs[kMostBins];
-      Box right;
-      std::uint32_t right_count = 0;
-      for (int bin = binning.bins - 1; bin > 0; --bin) {
-        right.extend(boxes[axis][bin]);
-        right_count += counts[axis][bin];
-        right_costs[bin] = right_count == 0 ? kInfinity : scaled_area(right, scale) * leaf_cost(right_count);
-      }
-      Box left;
-      std::uint32_t left_count = 0;
-      for (int bin = 1; bin < binning.bins; ++bin) {
-        left.extend(boxes[axis][bin - 1]);
-        left_count += counts[axis][bin - 1];
-        if (left_count == 0) continue;
-        const float cost = scaled_area(left, scale) * leaf_cost(left_count) + right_costs[bin];
-        if (cost < best.cost) best = {axis, bin, cost, {}};
-      }
-    }
-    if (splits_space_ && best.axis >= 0) {
-      Box left, right;
-      for (int bin = 0; bin < best.bin; ++bin) left.extend(boxes[best.axis][bin]);
-      for (int bin = best.bin; bin < binning.bins; ++bin) right.extend(boxes[best.axis][bin]);
-      best.shared = {_mm_max_ps(left.lower, right.lower), _mm_min_ps(left.upper, right.upper)};
-    }
-    return best;
   }
 
   const Geometry& geometry_;

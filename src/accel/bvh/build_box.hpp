@@ -2,6 +2,7 @@
 // Boxes in vectors, and their costs, for the search for splits.
 #include <emmintrin.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "primitives.hpp"
@@ -27,6 +28,13 @@ struct Box {
     upper = _mm_max_ps(upper, load(p.upper));
   }
 };
+
+/// Of areas relative to the largest side of a box, so that the squares stay in the range of float.
+inline __m128 area_scale(const Box& box) {
+  alignas(16) float extent[4];
+  _mm_store_ps(extent, _mm_sub_ps(box.upper, box.lower));
+  return _mm_set1_ps(1.0f / std::max(extent[0], std::max(extent[1], extent[2])));
+}
 
 /// Half the area of a box whose sides are multiplied by `scale`; not a number if it is empty.
 inline float scaled_area(const Box& box, __m128 scale) {

@@ -44,12 +44,18 @@ struct PacketHits {
   int turns;                            ///< nodes, blocks and spheres that rays of the packet have visited alone
 };
 
+/// What the functions below need that the traversal must not see.
+struct Context {
+  const Geometry* geometry;
+  const PrimitiveId* ids;
+};
+
 /// The tree as the traversal sees it.
 struct TreeView {
   const CacheLine* lines;
   Ref root;
   const PrimitiveId* ids;  ///< by place; what a hit is turned into afterwards
-  const void* context;     ///< for the functions below
+  const void* context;     ///< a Context, for the functions below
 };
 
 /// What the traversal leaves to the code that all instruction sets share.

@@ -42,7 +42,7 @@ class PacketTriangleTest {
   /// False where no lane has a hit. With any_hit the distances need not be right.
   template <bool any_hit>
   bool find(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit,
-                  Found& found) const {
+            Found& found) const {
     const Wide zero(0.0f);
     const Wide u = c.x * b.y - c.y * b.x;
     const Wide v = a.x * c.y - a.y * c.x;

@@ -140,8 +140,7 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
     if (count == 0 || right_counts[bin] == 0) continue;
     const float cost = scaled_area(box, scale) * leaf_cost(count) +
                        scaled_area(right_boxes[bin], scale) * leaf_cost(right_counts[bin]);
-    if (cost < best.cost)
-      best = {axis, slices.plane(bin), cost, count, right_counts[bin], box, right_boxes[bin]};
+    if (cost < best.cost) best = {axis, slices.plane(bin), cost, count, right_counts[bin], box, right_boxes[bin]};
   }
 }
 

@@ -21,7 +21,8 @@ struct SpatialSplit {
 SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, const Box& bounds,
                                 __m128 scale);
 
-/// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never parted.
+/// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never
+/// parted.
 void part(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, __m128 scale,
           std::vector<Primitive>& left, std::vector<Primitive>& right);
 
