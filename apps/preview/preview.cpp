@@ -121,6 +121,9 @@ void Preview::run_script() {
       case Kind::up:
         explorer_.key_up(step->key);
         break;
+      case Kind::mouse:
+        window_.move_mouse(step->x, step->y);
+        break;
       case Kind::drag:
         explorer_.drag(step->x, step->y);
         break;

@@ -21,19 +21,13 @@ struct Command {
 using Takes = Command::Takes;
 
 constexpr Command kCommands[]{
-    {"down", Kind::down, Takes::key},
-    {"up", Kind::up, Takes::key},
-    {"wait", Kind::wait, Takes::frames},
-    {"drag", Kind::drag, Takes::two},
-    {"click", Kind::click, Takes::two},
-    {"point", Kind::point, Takes::two},
-    {"scroll", Kind::scroll, Takes::one},
-    {"resize", Kind::resize, Takes::size},
-    {"minimise", Kind::minimise, Takes::nothing},
-    {"restore", Kind::restore, Takes::nothing},
-    {"screenshot", Kind::screenshot, Takes::file},
-    {"picture", Kind::picture, Takes::file},
-    {"close", Kind::close, Takes::nothing},
+    {"down", Kind::down, Takes::key},           {"up", Kind::up, Takes::key},
+    {"wait", Kind::wait, Takes::frames},        {"mouse", Kind::mouse, Takes::two},
+    {"drag", Kind::drag, Takes::two},           {"click", Kind::click, Takes::two},
+    {"point", Kind::point, Takes::two},         {"scroll", Kind::scroll, Takes::one},
+    {"resize", Kind::resize, Takes::size},      {"minimise", Kind::minimise, Takes::nothing},
+    {"restore", Kind::restore, Takes::nothing}, {"screenshot", Kind::screenshot, Takes::file},
+    {"picture", Kind::picture, Takes::file},    {"close", Kind::close, Takes::nothing},
 };
 
 constexpr int kMostFrames = 1 << 20;
@@ -139,7 +133,7 @@ void parse_line(Line& line, int number, std::vector<ScriptStep>& steps) {
     return;
   }
   line.fail("found \"" + name +
-            "\", expected key, down, up, wait, drag, click, point, scroll, resize, minimise, "
+            "\", expected key, down, up, wait, mouse, drag, click, point, scroll, resize, minimise, "
             "restore, screenshot, picture or close");
 }
 

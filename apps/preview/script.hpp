@@ -15,6 +15,7 @@ struct ScriptStep {
     up,          ///< key comes up
     wait,        ///< `count` frames
     wait_still,  ///< until the picture has all its samples
+    mouse,       ///< moves by (x, y) pixels, no button held
     drag,        ///< look: the mouse moves by (x, y) pixels with a button held
     click,       ///< at (x, y) pixels of the window
     point,       ///< the mouse moves to (x, y)
@@ -36,7 +37,7 @@ struct ScriptStep {
 
 /// Parses a script, one command a line, # starts a comment:
 ///   key NAME [FRAMES]     down, so many frames (1), up
-///   down NAME | up NAME | wait FRAMES | wait still | drag DX DY | click X Y | point X Y | scroll N
+///   down NAME | up NAME | wait FRAMES | wait still | mouse DX DY | drag DX DY | click X Y | point X Y | scroll N
 ///   resize WIDTH HEIGHT | minimise | restore | screenshot FILE | picture FILE | close
 /// Throws Error (input) with file:line.
 std::vector<ScriptStep> parse_script(std::string_view text, const std::string& file);

@@ -4,17 +4,15 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "raylab/core/error.hpp"
 
 namespace raylab {
 
 namespace {
-
-constexpr double kClickPixels = 4.0;  // a button that comes up within this distance was a click
 
 std::string last_glfw_error() {
   const char* description = nullptr;
@@ -112,7 +110,7 @@ WindowSystem::WindowSystem() {
 WindowSystem::~WindowSystem() { glfwTerminate(); }
 
 Window::Window(const std::string& title, int width, int height, bool vsync, Explorer& explorer)
-    : explorer_(explorer) {
+    : explorer_(explorer), mouse_(explorer) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -129,6 +127,8 @@ Window::Window(const std::string& title, int width, int height, bool vsync, Expl
   glfwSetMouseButtonCallback(
       window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
+  glfwSetCursorEnterCallback(window_,
+                             [](GLFWwindow* w, int entered) { window_of(w).entered_ = entered == GLFW_TRUE; });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
     if (!hud_has_mouse()) window_of(w).explorer_.scroll(y);
   });
@@ -148,31 +148,23 @@ void Window::on_key(int key, int action) {
 }
 
 void Window::on_button(int button, int action) {
-  if (action == GLFW_PRESS) {
-    if (hud_has_mouse()) return;
-    if (++looking_ == 1) dragged_ = 0.0;
-    return;
-  }
-  if (looking_ == 0) return;
-  --looking_;
-  if (button == GLFW_MOUSE_BUTTON_LEFT && dragged_ < kClickPixels && !captured_) explorer_.click(x_, y_);
+  if (action == GLFW_RELEASE) return mouse_.release(button == GLFW_MOUSE_BUTTON_LEFT);
+  if (!hud_has_mouse()) mouse_.press();
 }
 
 void Window::on_move(double x, double y) {
-  // The cursor counts in the window's units, the explorer in pixels.
+  const glm::dvec2 to = pixels(x, y);
+  // Capturing pulls a pointer in from wherever it is; that would throw the camera about.
+  if (std::exchange(entered_, false)) return mouse_.put(to.x, to.y);
+  mouse_.move_to(to.x, to.y);
+}
+
+glm::dvec2 Window::pixels(double x, double y) const {
   int width = 1, height = 1, units_x = 1, units_y = 1;
   glfwGetFramebufferSize(window_, &width, &height);
   glfwGetWindowSize(window_, &units_x, &units_y);
-  if (units_x > 0 && units_y > 0) {
-    x *= static_cast<double>(width) / units_x;
-    y *= static_cast<double>(height) / units_y;
-  }
-  const double dx = x - x_, dy = y - y_;
-  x_ = x;
-  y_ = y;
-  explorer_.point(x, y);
-  if (looking_ > 0 || captured_) explorer_.drag(dx, dy);
-  dragged_ += std::abs(dx) + std::abs(dy);
+  if (units_x <= 0 || units_y <= 0) return {x, y};
+  return glm::dvec2(x, y) * glm::dvec2(width, height) / glm::dvec2(units_x, units_y);
 }
 
 void Window::update_capture() {
@@ -180,7 +172,10 @@ void Window::update_capture() {
   captured_ = !captured_;
   glfwSetInputMode(window_, GLFW_CURSOR, captured_ ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
   // The pointer's place jumps with the mode; that is no movement.
-  glfwGetCursorPos(window_, &x_, &y_);
+  double x = 0.0, y = 0.0;
+  glfwGetCursorPos(window_, &x, &y);
+  const glm::dvec2 at = pixels(x, y);
+  mouse_.put(at.x, at.y);
 }
 
 void Window::poll(double wait_seconds) {

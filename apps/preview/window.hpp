@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "explorer.hpp"
+#include "mouse.hpp"
 
 struct GLFWwindow;
 
@@ -36,6 +36,8 @@ class Window {
   void minimise();
   void restore();
   void ask_to_close();
+  /// As if the pointer had moved by so many pixels.
+  void move_mouse(double dx, double dy) { mouse_.move_by(dx, dy); }
   bool closing() const;
 
   GLFWwindow* handle() const { return window_; }
@@ -45,13 +47,14 @@ class Window {
   void on_key(int key, int action);
   void on_button(int button, int action);
   void on_move(double x, double y);
+  /// Pixels of the picture from the cursor's place, which counts in the window's units.
+  glm::dvec2 pixels(double x, double y) const;
 
   GLFWwindow* window_;
   Explorer& explorer_;
+  Mouse mouse_;
   bool captured_ = false;
-  int looking_ = 0;  // buttons held
-  double x_ = 0.0, y_ = 0.0;
-  double dragged_ = 0.0;  // pixels since a button went down
+  bool entered_ = false;  // the pointer, and where is not heard of yet
 };
 
 }  // namespace raylab

@@ -3,6 +3,7 @@
 #include "../expect_error.hpp"
 #include "../temp_folder.hpp"
 #include "explorer.hpp"
+#include "mouse.hpp"
 #include "raster_geometry.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "script.hpp"
@@ -109,6 +110,53 @@ TEST_CASE("a click focuses on what is there, and Tab orbits around it", "[unit][
   CHECK_FALSE(ball.explorer->pivot());
 }
 
+TEST_CASE("the mouse turns the camera while it is captured or a button is held, and never else",
+          "[unit][preview]") {
+  Ball ball;
+  Mouse mouse(*ball.explorer);
+  mouse.put(50.0, 50.0);
+  const auto turned_by = [&](double dx, double dy) {
+    const dvec3 before = ball.explorer->viewpoint().forward();
+    mouse.move_by(dx, dy);
+    return ball.explorer->viewpoint().forward() - before;
+  };
+  CHECK(turned_by(30.0, 20.0) == dvec3(0.0));
+  ball.press(Key::m);
+  CHECK(turned_by(30.0, 0.0).x > 0.1);    // to the right
+  CHECK(turned_by(0.0, -30.0).y > 0.1);   // upwards
+  CHECK(turned_by(-30.0, 0.0).x < -0.1);  // every motion counts anew
+  // What capturing does to the pointer is no movement, and a captured mouse does not click.
+  const dvec3 ahead = ball.explorer->viewpoint().forward();
+  mouse.put(400.0, 300.0);
+  CHECK(ball.explorer->viewpoint().forward() == ahead);
+  mouse.put(50.0, 50.0);
+  mouse.press();
+  mouse.release(true);
+  CHECK(ball.explorer->camera().focus_distance == 10.0f);
+  ball.press(Key::m);
+  CHECK(turned_by(30.0, 20.0) == dvec3(0.0));
+  mouse.press();
+  CHECK(turned_by(30.0, 0.0).x > 0.1);
+  mouse.release(true);
+  CHECK(turned_by(30.0, 0.0) == dvec3(0.0));
+}
+
+TEST_CASE("a left button that comes up where it went down focuses", "[unit][preview]") {
+  Ball ball;
+  Mouse mouse(*ball.explorer);
+  const auto push = [&](double dx, bool left) {
+    mouse.put(50.0, 50.0);
+    mouse.press();
+    mouse.move_by(dx, 0.0);
+    mouse.move_by(-dx, 0.0);
+    mouse.release(left);
+    return ball.explorer->camera().focus_distance;
+  };
+  CHECK(push(0.0, false) == 10.0f);
+  CHECK(push(10.0, true) == 10.0f);  // that was looking
+  CHECK(push(1.0, true) == Approx(4.0f).epsilon(1e-3));
+}
+
 TEST_CASE("focus, aperture, accelerators, views", "[unit][preview]") {
   Ball ball;
   ball.press(Key::up, 0.5);
@@ -165,8 +213,8 @@ TEST_CASE("scripts are parsed line by line", "[unit][preview]") {
   CHECK(steps[3].line == 4);
   CHECK(steps[4].file == "a.png");
   CHECK(steps[5].kind == ScriptStep::Kind::wait_still);
-  for (const char* bad : {"jump", "key hyper", "wait", "wait 0", "wait soon", "drag 1", "drag 1 x", "close now",
-                          "resize 0 10", "screenshot", "key w 1 2"}) {
+  for (const char* bad : {"jump", "key hyper", "wait", "wait 0", "wait soon", "drag 1", "mouse 1", "drag 1 x",
+                          "close now", "resize 0 10", "screenshot", "key w 1 2"}) {
     INFO(bad);
     expect_error(ErrorKind::input, "s:2", {}, [&] { parse_script(std::string("wait 1\n") + bad, "s"); });
   }

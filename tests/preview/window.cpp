@@ -1,8 +1,7 @@
 // raylab-preview as its user meets it: in a window on a virtual display, driven by scripts.
-#include <cstdlib>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "../catch.hpp"
 #include "../run_program.hpp"
@@ -156,6 +155,21 @@ TEST_CASE("the focus plane is translucent, lies where the focus is and ends at i
   // Focused a hundredth farther away, the sphere's front stands before the plane.
   CHECK(near_to(at(behind, 100, 100), at(without, 100, 100)));
   CHECK_FALSE(near_to(at(behind, 14, 107), kSky, 10));
+}
+
+TEST_CASE("M captures the mouse: it then looks around as with a button held, until M again", "[gui][preview]") {
+  const Display display;
+  const auto shot = [&](const char* name) { return "screenshot " + display.file(name) + "\n"; };
+  // The mode changes as the next frame begins.
+  display.run_script("mouse 30 0\n" + shot("free.png") + "key m\nwait 2\nmouse 30 0\n" + shot("captured.png") +
+                         "key m\nwait 2\nmouse 30 0\n" + shot("left.png") + "key home\nwait 2\ndrag 30 0\n" +
+                         shot("drag.png"),
+                     {"--no-hud"});
+  const auto pixels = [&](const char* name) { return read_image8(display.file(name)).rgb; };
+  CHECK(near_to(at(read_image8(display.file("free.png")), 100, 100), kFacing));
+  CHECK((pixels("captured.png") != pixels("free.png")));
+  CHECK((pixels("captured.png") == pixels("drag.png")));
+  CHECK((pixels("left.png") == pixels("captured.png")));
 }
 
 TEST_CASE("the still picture is that of raylab-render, bit for bit, also after a flight", "[gui][preview]") {
