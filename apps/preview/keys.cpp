@@ -24,7 +24,7 @@ constexpr KeyHelp kHelp[]{
     {"click", "focus on what is there"},
     {"Up / Down", "focus farther / nearer"},
     {"[ / ]", "aperture smaller / larger"},
-    {"F", "focus plane (raster)"},
+    {"F", "focus plane"},
     {"1 ... 9", "accelerator"},
     {"C", "compare: split, difference, disagreement"},
     {"B", "accelerator compared with"},

@@ -19,15 +19,20 @@ class PictureView {
     upload(right_, width, height, srgb);
   }
 
-  /// Fills the framebuffer bound for drawing. `divider` in [0, 1] of the width; 1: the left picture alone.
-  void draw(int width, int height, float divider = 1.0f);
+  /// How far the first surface lies along the view direction, for the focus plane: a number a pixel, from the
+  /// upper left.
+  void set_depths(int width, int height, const std::vector<float>& depths);
+
+  /// Fills the framebuffer bound for drawing. `divider` in [0, 1] of the width; 1: the left picture alone. The
+  /// focus plane is drawn over what lies farther than `plane_depth`; 0: it is not.
+  void draw(int width, int height, float divider, float plane_depth);
 
  private:
   void upload(const GlTexture& texture, int width, int height, const std::vector<std::uint8_t>& srgb);
 
   GlProgram program_;
   GlVertexArray array_;
-  GlTexture left_, right_;
+  GlTexture left_, right_, depths_;
 };
 
 }  // namespace raylab

@@ -63,7 +63,8 @@ Preview::Preview(const PreviewCommand& command, LoadedScene& loaded)
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),
       raster_(scene_),
       hud_(window_.handle()),
-      script_(read_script(command.script)) {
+      script_(read_script(command.script)),
+      first_surfaces_(shelf_) {
   if (command.view == "traced") explorer_.set_view(View::traced);
   live_.emplace(scene_, shelf_, camera_lock_);
 }
@@ -97,6 +98,11 @@ void Preview::ask_for_pictures() {
   if (other_) ask(*other_, asked_other_, other_number_, both, explorer_.other_accel());
 }
 
+bool Preview::has_plane_in_traced() const {
+  const Compare compare = explorer_.compare();  // what differs is no picture of the scene
+  return explorer_.shows_focus_plane() && (compare == Compare::off || compare == Compare::split);
+}
+
 bool Preview::is_still() const {
   if (moves_ || width_ == 0) return false;
   if (explorer_.view() == View::raster) return true;
@@ -105,6 +111,7 @@ bool Preview::is_still() const {
     return !live.failure().empty() || (picture && picture->request == number && picture->complete);
   };
   if (!done(*live_, number_)) return false;
+  if (has_plane_in_traced() && !first_surfaces_.known(explorer_.camera(), width_, height_)) return false;
   if (explorer_.compare() == Compare::off) return true;
   const bool compared =
       explorer_.compare() == Compare::split || (!comparing_.valid() && compared_ == comparing_what_);
@@ -213,8 +220,21 @@ void Preview::draw_traced() {
     shown_other_ = other_->latest();
     update_comparison();
   }
-  if (!shown_) return raster_.draw(explorer_.camera(), width_, height_, {moves_, false});
-  picture_view_.draw(width_, height_, compare == Compare::off ? 1.0f : compare == Compare::split ? 0.5f : 0.0f);
+  const CameraSettings& camera = explorer_.camera();
+  if (!shown_) return raster_.draw(camera, width_, height_, {moves_, explorer_.shows_focus_plane()});
+  float plane_depth = 0.0f;
+  if (has_plane_in_traced()) {
+    if (!moves_ && first_surfaces_.update(camera, width_, height_)) {
+      picture_view_.set_depths(first_surfaces_.width(), first_surfaces_.height(), first_surfaces_.depths());
+    }
+    // Without the depths of this very view the plane would cut through the wrong places.
+    if (first_surfaces_.known(camera, width_, height_)) plane_depth = camera.focus_distance;
+  }
+  picture_view_.draw(width_, height_,
+                     compare == Compare::off     ? 1.0f
+                     : compare == Compare::split ? 0.5f
+                                                 : 0.0f,
+                     plane_depth);
 }
 
 void Preview::draw() {

@@ -4,6 +4,7 @@
 
 #include "comparison.hpp"
 #include "explorer.hpp"
+#include "first_surfaces.hpp"
 #include "hud.hpp"
 #include "live_render.hpp"
 #include "picture_view.hpp"
@@ -42,6 +43,7 @@ class Preview {
   void run_script();
   void ask_for_pictures();
   bool is_still() const;
+  bool has_plane_in_traced() const;
   void draw();
   void draw_traced();
   void update_comparison();
@@ -68,6 +70,7 @@ class Preview {
   std::uint64_t number_ = 0, other_number_ = 0;
   std::shared_ptr<const TracedPicture> shown_, shown_other_;
 
+  FirstSurfaces first_surfaces_;
   std::future<ComparedPicture> comparing_;
   Compared comparing_what_, compared_;
   std::string compared_text_;

@@ -36,7 +36,7 @@ RasterView::RasterView(const Scene& scene)
     : mesh_program_("mesh", shaders::kMeshVertex, std::string(shaders::kSurface) + shaders::kMeshFragment),
       sphere_program_("sphere", shaders::kSphereVertex, std::string(shaders::kSurface) + shaders::kSphereFragment),
       sky_program_("sky", shaders::kScreenVertex, std::string(shaders::kSurface) + shaders::kSkyFragment),
-      plane_program_("plane", shaders::kPlaneVertex, shaders::kPlaneFragment),
+      plane_program_("plane", shaders::kPlaneVertex, std::string(shaders::kPlaneColor) + shaders::kPlaneFragment),
       sky_kind_(scene.environment.kind),
       sky_bottom_(scene.environment.bottom),
       sky_top_(scene.environment.top),

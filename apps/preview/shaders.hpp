@@ -179,19 +179,27 @@ void main() {
 }
 )";
 
-inline constexpr const char* kPlaneFragment = R"(#version 330 core
-in vec2 at;
-out vec4 fragment;
-void main() {
+// Colour and cover of the focus plane, which faces the eye and reaches to nine tenths of the picture.
+inline constexpr const char* kPlaneColor = R"(#version 330 core
+vec4 plane_color(vec2 at) {
   vec2 line = abs(fract(at * 5.0 / 0.9 * 0.5) - 0.5);
   bool edge = max(abs(at.x), abs(at.y)) > 0.885;
   bool grid = min(line.x, line.y) < 0.006;
-  fragment = edge ? vec4(1.0, 0.85, 0.2, 0.9) : vec4(0.25, 0.55, 1.0, grid ? 0.6 : 0.32);
+  return edge ? vec4(1.0, 0.85, 0.2, 0.9) : vec4(0.25, 0.55, 1.0, grid ? 0.6 : 0.32);
 }
 )";
 
-inline constexpr const char* kPictureFragment = R"(#version 330 core
+inline constexpr const char* kPlaneFragment = R"(
+in vec2 at;
+out vec4 fragment;
+void main() { fragment = plane_color(at); }
+)";
+
+// After kPlaneColor.
+inline constexpr const char* kPictureFragment = R"(
 uniform sampler2D left_picture, right_picture;
+uniform sampler2D depth_picture;  // of the first surface
+uniform float plane_depth;        // 0: no plane is shown
 uniform float divider;   // of the width; 1: the left picture alone
 uniform float line;      // half the width of the line between them
 in vec2 at;
@@ -199,6 +207,10 @@ out vec4 fragment;
 void main() {
   vec2 uv = vec2(0.5 * at.x + 0.5, 0.5 - 0.5 * at.y);
   vec3 color = uv.x < divider ? texture(left_picture, uv).rgb : texture(right_picture, uv).rgb;
+  if (plane_depth > 0.0 && max(abs(at.x), abs(at.y)) < 0.9 && plane_depth < texture(depth_picture, uv).r) {
+    vec4 plane = plane_color(at);
+    color = mix(color, plane.rgb, plane.a);
+  }
   if (divider > 0.0 && divider < 1.0 && abs(uv.x - divider) < line) color = vec3(1.0, 0.85, 0.2);
   fragment = vec4(color, 1.0);
 }

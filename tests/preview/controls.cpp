@@ -1,8 +1,11 @@
 // Keys, scripts and what they do, without a window.
+#include <thread>
+
 #include "../catch.hpp"
 #include "../expect_error.hpp"
 #include "../temp_folder.hpp"
 #include "explorer.hpp"
+#include "first_surfaces.hpp"
 #include "mouse.hpp"
 #include "raster_geometry.hpp"
 #include "raylab/io/scene_file.hpp"
@@ -108,6 +111,46 @@ TEST_CASE("a click focuses on what is there, and Tab orbits around it", "[unit][
   CHECK(ball.explorer->viewpoint().position().x < -1.0);  // the scene follows the mouse
   ball.press(Key::tab);
   CHECK_FALSE(ball.explorer->pivot());
+}
+
+TEST_CASE("first surfaces lie where rays meet them, whatever the focus", "[unit][preview]") {
+  Ball ball;
+  CameraSettings camera = ball.loaded.scene.camera;
+  camera.focus_distance = GENERATE(1.0f, 4.0f, 300.0f);
+  camera.defocus_angle = 5.0f;
+  const std::vector<float> depths = first_depths(ball.shelf.get("bvh"), camera, 101, 51);
+  REQUIRE(depths.size() == 101 * 51);
+  const auto depth = [&](std::size_t x, std::size_t y) { return depths[y * 101 + x]; };
+  CHECK(depth(50, 25) == Approx(4.0f));
+  CHECK(depth(50, 0) == kInfinity);
+  CHECK(depth(0, 25) == kInfinity);
+  // Beside the middle: along the view, not along the ray. tan is that of the ray's angle to the view.
+  const double tan = 10.0 / 25.5 * std::tan(20.0 * kPi / 180.0), d = 1.0 + tan * tan;
+  const double expected = (5.0 - std::sqrt(25.0 - 24.0 * d)) / d;
+  CHECK(depth(60, 25) == Approx(expected).epsilon(1e-5));
+  CHECK(depth(50, 15) == Approx(expected).epsilon(1e-5));
+}
+
+TEST_CASE("the depths of a view are found once, and anew when the view changes", "[unit][preview]") {
+  Ball ball;
+  FirstSurfaces surfaces(ball.shelf);
+  CameraSettings camera = ball.loaded.scene.camera;
+  const auto find = [&] {
+    while (!surfaces.update(camera, 11, 11)) std::this_thread::yield();
+  };
+  CHECK_FALSE(surfaces.known(camera, 11, 11));
+  find();
+  CHECK(surfaces.known(camera, 11, 11));
+  CHECK(surfaces.depths()[60] == Approx(4.0f));
+  camera.focus_distance = 2.0f;
+  camera.defocus_angle = 1.0f;
+  CHECK(surfaces.known(camera, 11, 11));
+  CHECK_FALSE(surfaces.update(camera, 11, 11));
+  CHECK_FALSE(surfaces.known(camera, 12, 11));
+  camera.look_from.z += 1.0f;
+  CHECK_FALSE(surfaces.known(camera, 11, 11));
+  find();
+  CHECK(surfaces.depths()[60] == Approx(5.0f));
 }
 
 TEST_CASE("the mouse turns the camera while it is captured or a button is held, and never else",

@@ -157,6 +157,42 @@ TEST_CASE("the focus plane is translucent, lies where the focus is and ends at i
   CHECK_FALSE(near_to(at(behind, 14, 107), kSky, 10));
 }
 
+TEST_CASE("over the traced picture the focus plane tints what lies behind it, and nothing else",
+          "[gui][preview]") {
+  const Display display;
+  const auto shot = [&](const char* name) { return "wait still\nscreenshot " + display.file(name) + "\n"; };
+  // Focus on the sphere's front, 4 away, then go a little into the sphere.
+  display.run_script("key v\nclick 100 100\nkey up 6\n" + shot("without.png") + "key f\n" + shot("with.png") +
+                         "key f\n" + shot("again.png") + "key enter\nkey f\nkey up 60\n" + shot("behind.png"),
+                     {"--no-hud"});
+  const Image8 without = read_image8(display.file("without.png")), with = read_image8(display.file("with.png"));
+  const double distance = load_scene(display.scene).scene.camera.focus_distance;
+  REQUIRE(distance > 4.1);
+  REQUIRE(distance < 4.5);
+  // The plane cuts the sphere, around (0, 0, 0), in a circle; its blue covers 32 %.
+  const double scale = 100.0 / (distance * std::tan(20.0 * kPi / 180.0));  // pixels a unit, in the plane
+  const double circle = scale * std::sqrt(1.0 - (5.0 - distance) * (5.0 - distance));
+  const auto tinted = [](const glm::ivec3& c) {
+    return glm::ivec3(0.68 * glm::dvec3(c) + 0.32 * glm::dvec3(64, 140, 255));
+  };
+  for (const double angle : {0.6, 1.0, 2.2, 3.7, 5.4}) {  // off the grid's lines
+    const auto pixel = [&](const Image8& image, double r) {
+      return at(image, static_cast<int>(100 + r * std::cos(angle)), static_cast<int>(100 + r * std::sin(angle)));
+    };
+    INFO("circle of " << circle << " pixels, at angle " << angle);
+    CHECK(pixel(with, circle - 2.0) == pixel(without, circle - 2.0));
+    CHECK(near_to(pixel(with, circle + 2.0), tinted(pixel(without, circle + 2.0)), 2));
+    CHECK(near_to(pixel(with, 70.0), tinted(kSky), 2));
+  }
+  CHECK(near_to(at(with, 10, 107), {255, 217, 51}, 30));  // its edge
+  CHECK(at(with, 5, 107) == at(without, 5, 107));
+  CHECK((read_image8(display.file("again.png")).rgb == without.rgb));
+  // The plane goes with the focus: behind all of the sphere it tints the sky alone.
+  const Image8 behind = read_image8(display.file("behind.png"));
+  CHECK(near_to(at(behind, 140, 130), at(without, 140, 130), 10));
+  CHECK(near_to(at(behind, 14, 107), tinted(kSky), 2));
+}
+
 TEST_CASE("M captures the mouse: it then looks around as with a button held, until M again", "[gui][preview]") {
   const Display display;
   const auto shot = [&](const char* name) { return "screenshot " + display.file(name) + "\n"; };
