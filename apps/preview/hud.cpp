@@ -113,6 +113,7 @@ void show_figures(const Scene& scene, const AcceleratorShelf& shelf, const Explo
     if (figures.other) show_traced("", *figures.other, figures.samples_wanted);
     ImGui::Text("%s", figures.comparison.c_str());
   }
+  if (traced) ImGui::Text("ends at most %.0f ms after a move", 1e3 * figures.longest_stop_seconds);
   show_camera(explorer.camera(), explorer);
   show_materials(scene);
   if (!figures.failure.empty()) ImGui::TextWrapped("%s", figures.failure.c_str());

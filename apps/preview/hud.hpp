@@ -12,6 +12,7 @@ namespace raylab {
 /// What the head-up display shows besides the explorer's own state.
 struct HudFigures {
   double frame_seconds = 0.0;
+  double longest_stop_seconds = 0.0;  ///< LiveRender's
   int width = 0, height = 0;
   std::size_t triangles_drawn = 0;               ///< of the raster view
   std::shared_ptr<const TracedPicture> picture;  ///< of the traced view, or null

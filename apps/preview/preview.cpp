@@ -250,6 +250,7 @@ void Preview::draw() {
   if (!command_.hud) return;
   HudFigures figures;
   figures.frame_seconds = frame_seconds_;
+  figures.longest_stop_seconds = live_->longest_stop_seconds();
   figures.width = width_;
   figures.height = height_;
   figures.triangles_drawn = raster_.triangles_drawn();
