@@ -1,7 +1,12 @@
 // Accelerators by name: options, reports, registration.
+#include <atomic>
+#include <thread>
+
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
+#include "raylab/core/timing.hpp"
 #include "raylab/measure/shapes.hpp"
 
 using namespace raylab;
@@ -109,5 +114,29 @@ TEST_CASE("a limit of build threads changes no answer", "[unit]") {
     const auto free = entry.make(geometry, {});
     const Ray ray{{0, 0, -3}, {0.01f, 0.02f, 1}};
     CHECK(limited->intersect(ray) == free->intersect(ray));
+  }
+}
+
+TEST_CASE("a limit of build threads ends with the building", "[unit]") {
+  if (hardware_threads() < 2) {
+    SUCCEED("this machine has one thread");
+    return;
+  }
+  const Geometry geometry{{triangle_soup(500, 1.0f, 0.4f, 3)}, {}};
+  for (const AcceleratorEntry& entry : accelerators()) {
+    const auto accelerator = entry.make(geometry, {{}, 1});
+    // Two that wait for each other need two threads.
+    std::atomic<int> there{0};
+    std::atomic<bool> met{true};
+    parallel_for(2, [&](std::size_t) {
+      ++there;
+      const Stopwatch watch;
+      while (there < 2 && met) {
+        if (watch.seconds() > 20.0) met = false;
+        std::this_thread::yield();
+      }
+    });
+    INFO(entry.name);
+    CHECK(met);
   }
 }

@@ -7,11 +7,13 @@
 #include <cfloat>
 #include <cmath>
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 #include "backends.hpp"
 #include "embree_api.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
@@ -147,8 +149,10 @@ class Embree final : public Accelerator {
   Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
     report_.isa = embree_isa();
     const Stopwatch watch;
-    const std::string config = options.threads > 0 ? "threads=" + std::to_string(options.threads) : "";
-    device_.reset(rtcNewDevice(config.c_str()));
+    // A device that is told of threads would keep all of TBB to that number as long as it lives.
+    const std::optional<ThreadLimit> limit =
+        options.threads > 0 ? std::optional<ThreadLimit>(std::in_place, options.threads) : std::nullopt;
+    device_.reset(rtcNewDevice(""));
     check_device();
     if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) packet_size_ = 8;
     if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) packet_size_ = 16;
