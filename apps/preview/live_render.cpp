@@ -13,8 +13,10 @@ namespace {
 
 constexpr double kPollSeconds = 0.005;
 constexpr double kFirstPictureSeconds = 0.1;
-// A snapshot copies the film and rounds every sum: it may take up to this share of the time.
+// A snapshot rounds every sum of the film: it may take up to this share of the time.
 constexpr double kSnapshotShare = 0.1;
+// Copied at a time: what fits the cache, and locks the film for a moment only.
+constexpr int kSnapshotRows = 8;
 constexpr int kCoarsest = 32;
 // Small units of work end soon after they are asked to: 16 x 16 pixels at one sample are one batch of paths, some
 // milliseconds. The accelerators that test every primitive take far longer for the same.
@@ -33,6 +35,32 @@ RenderOptions for_live(RenderOptions options, const std::string& accel) {
 int coarse_size(int size, int coarseness) { return (size + coarseness - 1) / coarseness; }
 
 }  // namespace
+
+void take_snapshot(const RenderSession& session, const Image& coarse, TracedPicture& picture) {
+  const int width = session.options().width, height = session.options().height;
+  picture.image = Image(width, height);
+  picture.samples = 0xffffffffu;
+  double relmse = 0.0;
+  std::uint64_t estimated = 0;  // pixels with two samples, which an estimate takes
+  for (int first = 0; first < height; first += kSnapshotRows) {
+    const Film film = session.snapshot_rows(first, std::min(kSnapshotRows, height - first));
+    std::uint64_t with_two = 0;
+    for (int row = 0; row < film.height(); ++row) {
+      const int y = first + row;
+      for (int x = 0; x < width; ++x) {
+        const std::uint32_t samples = film.samples(x, row);
+        picture.samples = std::min(picture.samples, samples);
+        with_two += samples >= 2;
+        picture.image.at(x, y) =
+            samples != 0 ? film.mean(x, row) : coarse.at(x * coarse.width / width, y * coarse.height / height);
+      }
+    }
+    if (with_two == 0) continue;
+    relmse += film.estimated_relmse() * static_cast<double>(with_two);
+    estimated += with_two;
+  }
+  picture.estimated_relmse = estimated == 0 ? kInfinity : relmse / static_cast<double>(estimated);
+}
 
 std::vector<std::uint8_t> encode_srgb(const Image& image) {
   std::vector<std::uint8_t> bytes(image.pixels.size() * 3);
@@ -204,19 +232,8 @@ void LiveRender::trace_all(const TraceRequest& request, const Accelerator& accel
     picture.request = number;
     picture.stats = all->stats();
     picture.seconds = watch.seconds();
-    const Film film = all->snapshot();
-    picture.image = film.image();
-    picture.samples = 0xffffffffu;
-    for (int y = 0; y < film.height(); ++y) {
-      for (int x = 0; x < film.width(); ++x) {
-        const std::uint32_t samples = film.samples(x, y);
-        picture.samples = std::min(picture.samples, samples);
-        if (samples != 0) continue;
-        picture.image.at(x, y) = coarse.at(x * coarse.width / film.width(), y * coarse.height / film.height());
-      }
-    }
+    take_snapshot(*all, coarse, picture);
     picture.complete = ended && all->finished();
-    picture.estimated_relmse = film.estimated_relmse();
     publish(std::move(picture));
     next = watch.seconds() + snapshot_watch.seconds() / kSnapshotShare;
   }

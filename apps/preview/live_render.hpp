@@ -32,6 +32,9 @@ struct TracedPicture {
   std::vector<std::uint8_t> srgb;  ///< the image as a PNG of it has it: three bytes a pixel
 };
 
+/// What a session has gathered so far, as a picture: sets image, samples and estimated_relmse.
+void take_snapshot(const RenderSession& session, const Image& coarse, TracedPicture& picture);
+
 /// The image as a PNG of it has it: three bytes a pixel.
 std::vector<std::uint8_t> encode_srgb(const Image& image);
 

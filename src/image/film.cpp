@@ -29,9 +29,11 @@ dvec3 Film::mean(std::size_t pixel) const {
 }
 
 dvec3 Film::variance_of_mean(std::size_t pixel) const {
-  if (samples_[pixel] < 2) return dvec3(0.0);
+  return samples_[pixel] < 2 ? dvec3(0.0) : variance_of_mean(pixel, mean(pixel));
+}
+
+dvec3 Film::variance_of_mean(std::size_t pixel, const dvec3& m) const {
   const double n = samples_[pixel];
-  const dvec3 m = mean(pixel);
   const ExactSum* squares = sums_[pixel].squares;
   const dvec3 squared_deviations = dvec3(squares[0].value(), squares[1].value(), squares[2].value()) - n * m * m;
   return glm::max(squared_deviations, dvec3(0.0)) / (n - 1.0) / n;
@@ -43,7 +45,7 @@ double Film::estimated_relmse() const {
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (samples_[i] < 2) continue;
     const dvec3 m = mean(i);
-    const dvec3 relative = variance_of_mean(i) / (m * m + 0.01);
+    const dvec3 relative = variance_of_mean(i, m) / (m * m + 0.01);
     total += (relative.x + relative.y + relative.z) / 3.0;
     ++pixels;
   }
@@ -56,6 +58,16 @@ Image Film::image() const {
     for (int x = 0; x < width_; ++x) picture.at(x, y) = mean(x, y);
   }
   return picture;
+}
+
+Film Film::rows(int first, int count) const {
+  RAYLAB_CHECK(first >= 0 && count > 0 && count <= height_ - first);
+  Film part(width_, count);
+  const auto from = static_cast<std::ptrdiff_t>(index(0, first));
+  const auto to = from + static_cast<std::ptrdiff_t>(part.sums_.size());
+  std::copy(sums_.begin() + from, sums_.begin() + to, part.sums_.begin());
+  std::copy(samples_.begin() + from, samples_.begin() + to, part.samples_.begin());
+  return part;
 }
 
 void Film::add(const Film& other, int x, int y) {

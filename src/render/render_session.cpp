@@ -182,6 +182,11 @@ Film RenderSession::snapshot() const {
   return film_;
 }
 
+Film RenderSession::snapshot_rows(int first, int count) const {
+  const std::lock_guard lock(mutex_);
+  return film_.rows(first, count);
+}
+
 RenderStats RenderSession::stats() const {
   const std::lock_guard lock(mutex_);
   return stats_;

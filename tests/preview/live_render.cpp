@@ -87,6 +87,35 @@ TEST_CASE("the still picture is that of a render session, bit for bit", "[unit][
   CHECK((picture->image.pixels == session.snapshot().image().pixels));
 }
 
+TEST_CASE("a snapshot for the display says what the film says", "[unit][preview]") {
+  Cornell cornell;
+  RenderOptions options = cornell.request(1, 1).options;
+  options.width = 30;
+  options.height = 21;  // not a whole number of the parts it is taken in
+  options.samples_per_pixel = GENERATE(1u, 3u);
+  options.crop = GENERATE(std::optional<PixelRect>(), PixelRect{3, 4, 20, 15});
+  RenderSession session(cornell.loaded.scene, cornell.shelf.get("bvh"), options);
+  session.run();
+  Image coarse(2, 2);
+  coarse.pixels = {Rgb(1, 0, 0), Rgb(2, 0, 0), Rgb(3, 0, 0), Rgb(4, 0, 0)};
+  TracedPicture picture;
+  take_snapshot(session, coarse, picture);
+  const Film film = session.snapshot();
+  Image expected = film.image();
+  for (int y = 0; y < 21; ++y) {
+    for (int x = 0; x < 30; ++x) {
+      if (film.samples(x, y) == 0) expected.at(x, y) = coarse.at(x / 15, y * 2 / 21);
+    }
+  }
+  CHECK((picture.image.pixels == expected.pixels));
+  CHECK(picture.samples == (options.crop ? 0u : options.samples_per_pixel));
+  if (options.samples_per_pixel == 1) {
+    CHECK(picture.estimated_relmse == kInfinity);
+  } else {
+    CHECK(picture.estimated_relmse == Approx(film.estimated_relmse()).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("a coarse picture comes first, then one that has a sample in every pixel", "[unit][preview]") {
   Cornell cornell;
   LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);

@@ -87,6 +87,9 @@ class Film {
 
   Image image() const;
 
+  /// Copy of the rows from `first` on, `count` of them; all must be there.
+  Film rows(int first, int count) const;
+
   /// Adds another film's samples to this one's, its upper left pixel to pixel (x, y), where all of it must fit.
   void add(const Film& other, int x = 0, int y = 0);
 
@@ -99,6 +102,7 @@ class Film {
 
   dvec3 mean(std::size_t pixel) const;
   dvec3 variance_of_mean(std::size_t pixel) const;
+  dvec3 variance_of_mean(std::size_t pixel, const dvec3& mean) const;
 
   int width_, height_;
   std::vector<PixelSum> sums_;

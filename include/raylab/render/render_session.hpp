@@ -96,6 +96,9 @@ class RenderSession {
   /// Copy of what has been gathered so far. Safe while rendering.
   Film snapshot() const;
 
+  /// The same of `count` rows from `first` on, for whom the whole, a hundred bytes a pixel, would be too much.
+  Film snapshot_rows(int first, int count) const;
+
   RenderStats stats() const;
 
   const RenderOptions& options() const { return options_; }
