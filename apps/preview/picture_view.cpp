@@ -19,7 +19,9 @@ void set_nearest() {
 }  // namespace
 
 PictureView::PictureView()
-    : program_("picture", shaders::kScreenVertex, std::string(shaders::kPlaneColor) + shaders::kPictureFragment) {
+    : program_("picture", shaders::kScreenVertex, shaders::kPictureFragment),
+      plane_program_("plane over picture", shaders::kScreenVertex,
+                     std::string(shaders::kPlaneColor) + shaders::kPlaneOverFragment) {
   const std::vector<std::uint8_t> black(3, 0);
   for (const GlTexture* texture : {&left_, &right_}) upload(*texture, 1, 1, black);
   set_depths(1, 1, {0.0f});
@@ -40,25 +42,34 @@ void PictureView::set_depths(int width, int height, const std::vector<float>& de
   set_nearest();
 }
 
-void PictureView::draw(int width, int height, float divider, float plane_depth) {
+void PictureView::draw(int width, int height, float divider) {
   glViewport(0, 0, width, height);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   program_.use();
   program_.set("left_picture", 0);
   program_.set("right_picture", 1);
-  program_.set("depth_picture", 2);
   program_.set("divider", divider);
-  program_.set("plane_depth", plane_depth);
   program_.set("line", 1.0f / static_cast<float>(std::max(width, 1)));
-  glActiveTexture(GL_TEXTURE2);
-  glBindTexture(GL_TEXTURE_2D, depths_.id());
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D, right_.id());
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, left_.id());
   glBindVertexArray(array_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void PictureView::draw_plane(float depth) {
+  plane_program_.use();
+  plane_program_.set("depth_picture", 0);
+  plane_program_.set("plane_depth", depth);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, depths_.id());
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glBindVertexArray(array_.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_BLEND);
 }
 
 }  // namespace raylab

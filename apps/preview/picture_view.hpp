@@ -23,14 +23,16 @@ class PictureView {
   /// upper left.
   void set_depths(int width, int height, const std::vector<float>& depths);
 
-  /// Fills the framebuffer bound for drawing. `divider` in [0, 1] of the width; 1: the left picture alone. The
-  /// focus plane is drawn over what lies farther than `plane_depth`; 0: it is not.
-  void draw(int width, int height, float divider, float plane_depth);
+  /// Fills the framebuffer bound for drawing. `divider` in [0, 1] of the width; 1: the left picture alone.
+  void draw(int width, int height, float divider);
+
+  /// Draws the focus plane, so far away, over what lies farther.
+  void draw_plane(float depth);
 
  private:
   void upload(const GlTexture& texture, int width, int height, const std::vector<std::uint8_t>& srgb);
 
-  GlProgram program_;
+  GlProgram program_, plane_program_;
   GlVertexArray array_;
   GlTexture left_, right_, depths_;
 };

@@ -222,19 +222,13 @@ void Preview::draw_traced() {
   }
   const CameraSettings& camera = explorer_.camera();
   if (!shown_) return raster_.draw(camera, width_, height_, {moves_, explorer_.shows_focus_plane()});
-  float plane_depth = 0.0f;
-  if (has_plane_in_traced()) {
-    if (!moves_ && first_surfaces_.update(camera, width_, height_)) {
-      picture_view_.set_depths(first_surfaces_.width(), first_surfaces_.height(), first_surfaces_.depths());
-    }
-    // Without the depths of this very view the plane would cut through the wrong places.
-    if (first_surfaces_.known(camera, width_, height_)) plane_depth = camera.focus_distance;
+  picture_view_.draw(width_, height_, compare == Compare::off ? 1.0f : compare == Compare::split ? 0.5f : 0.0f);
+  if (!has_plane_in_traced()) return;
+  if (!moves_ && first_surfaces_.update(camera, width_, height_)) {
+    picture_view_.set_depths(first_surfaces_.width(), first_surfaces_.height(), first_surfaces_.depths());
   }
-  picture_view_.draw(width_, height_,
-                     compare == Compare::off     ? 1.0f
-                     : compare == Compare::split ? 0.5f
-                                                 : 0.0f,
-                     plane_depth);
+  // Without the depths of this very view the plane would cut through the wrong places.
+  if (first_surfaces_.known(camera, width_, height_)) picture_view_.draw_plane(camera.focus_distance);
 }
 
 void Preview::draw() {

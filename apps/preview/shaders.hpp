@@ -195,11 +195,21 @@ out vec4 fragment;
 void main() { fragment = plane_color(at); }
 )";
 
-// After kPlaneColor.
-inline constexpr const char* kPictureFragment = R"(
-uniform sampler2D left_picture, right_picture;
+// The same over a picture. A program of its own: what is not shown costs a frame nothing.
+inline constexpr const char* kPlaneOverFragment = R"(
 uniform sampler2D depth_picture;  // of the first surface
-uniform float plane_depth;        // 0: no plane is shown
+uniform float plane_depth;
+in vec2 at;
+out vec4 fragment;
+void main() {
+  vec2 uv = vec2(0.5 * at.x + 0.5, 0.5 - 0.5 * at.y);
+  if (max(abs(at.x), abs(at.y)) > 0.9 || texture(depth_picture, uv).r <= plane_depth) discard;
+  fragment = plane_color(at);
+}
+)";
+
+inline constexpr const char* kPictureFragment = R"(#version 330 core
+uniform sampler2D left_picture, right_picture;
 uniform float divider;   // of the width; 1: the left picture alone
 uniform float line;      // half the width of the line between them
 in vec2 at;
@@ -207,10 +217,6 @@ out vec4 fragment;
 void main() {
   vec2 uv = vec2(0.5 * at.x + 0.5, 0.5 - 0.5 * at.y);
   vec3 color = uv.x < divider ? texture(left_picture, uv).rgb : texture(right_picture, uv).rgb;
-  if (plane_depth > 0.0 && max(abs(at.x), abs(at.y)) < 0.9 && plane_depth < texture(depth_picture, uv).r) {
-    vec4 plane = plane_color(at);
-    color = mix(color, plane.rgb, plane.a);
-  }
   if (divider > 0.0 && divider < 1.0 && abs(uv.x - divider) < line) color = vec3(1.0, 0.85, 0.2);
   fragment = vec4(color, 1.0);
 }
