@@ -75,7 +75,8 @@ class Optimizer {
       if (nodes[i].is_leaf()) continue;
       const std::uint32_t child = nodes[i].first;
       nodes[i].first = static_cast<std::uint32_t>(nodes.size());
-      nodes.insert(nodes.end(), {from[child], from[child + 1]});
+      nodes.push_back(from[child]);
+      nodes.push_back(from[child + 1]);
     }
     return nodes;
   }
