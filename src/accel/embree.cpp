@@ -150,8 +150,7 @@ class Embree final : public Accelerator {
     report_.isa = embree_isa();
     const Stopwatch watch;
     // A device that is told of threads would keep all of TBB to that number as long as it lives.
-    const std::optional<ThreadLimit> limit =
-        options.threads > 0 ? std::optional<ThreadLimit>(std::in_place, options.threads) : std::nullopt;
+    const ThreadLimit limit(options.threads);
     device_.reset(rtcNewDevice(""));
     check_device();
     if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) packet_size_ = 8;

@@ -58,8 +58,7 @@ class ExactBvh final : public Accelerator {
  public:
   ExactBvh(const Geometry& geometry, int threads) : geometry_(geometry) {
     const Stopwatch watch;
-    std::optional<ThreadLimit> limit;
-    if (threads > 0) limit.emplace(threads);
+    const ThreadLimit limit(threads);
     tree_ = bvh::build_binary_tree(geometry, BvhQuality::balanced);
     report_.primitives = tree_.primitives.size();
     report_.invalid_primitives = geometry.primitive_count() - tree_.primitives.size();

@@ -58,8 +58,7 @@ class Bvh final : public Accelerator {
     if (intersector == Intersector::book) direction_range_ = kBookDirectionRange;
     const Stopwatch watch;
     {
-      const std::optional<ThreadLimit> limit =
-          options.threads > 0 ? std::optional<ThreadLimit>(std::in_place, options.threads) : std::nullopt;
+      const ThreadLimit limit(options.threads);
       const FlushDenormals flush;
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
