@@ -1,4 +1,5 @@
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -42,7 +43,7 @@ struct PrimitiveId {
   std::uint32_t geometry;
   std::uint32_t primitive;
 
-  bool operator==(const PrimitiveId&) const = default;
+  auto operator<=>(const PrimitiveId&) const = default;
 };
 
 /// All primitives of a scene. Geometry ids count the meshes first; all the spheres together are one geometry

@@ -101,9 +101,7 @@ class Builder {
     if (const auto kind = leaf_kind(range)) {
       Primitive* const begin = tree_.primitives.begin() + range.begin;
       Primitive* const end = tree_.primitives.begin() + range.end;
-      std::sort(begin, end, [](const Primitive& a, const Primitive& b) {
-        return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
-      });
+      std::sort(begin, end, [](const Primitive& a, const Primitive& b) { return a.id() < b.id(); });
       const auto same = [](const Primitive& a, const Primitive& b) { return a.id() == b.id(); };
       node.first = range.begin;
       node.count = static_cast<std::uint16_t>((splits_space_ ? std::unique(begin, end, same) : end) - begin);
@@ -231,7 +229,7 @@ class Builder {
                        const float ca = a.lower[axis] + a.upper[axis];
                        const float cb = b.lower[axis] + b.upper[axis];
                        if (ca != cb) return ca < cb;
-                       return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
+                       return a.id() < b.id();
                      });
     left.end = right.begin = range.begin + half;
     add_all(left);

@@ -88,9 +88,8 @@ void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noe
 }
 
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept {
-  const PrimitiveId& x = as_context(context).ids[a];
-  const PrimitiveId& y = as_context(context).ids[b];
-  return x.geometry != y.geometry ? x.geometry < y.geometry : x.primitive < y.primitive;
+  const PrimitiveId* const ids = as_context(context).ids;
+  return ids[a] < ids[b];
 }
 
 }  // namespace raylab::bvh

@@ -159,7 +159,7 @@ bool ExactTest::before(const Crossing& a, const Crossing& b) const {
     order = exact::compare(exact_t(a).value, exact_t(b).value);
   }
   if (order != 0) return order < 0;
-  return a.id.geometry != b.id.geometry ? a.id.geometry < b.id.geometry : a.id.primitive < b.id.primitive;
+  return a.id < b.id;
 }
 
 ExactTest::Exact ExactTest::exact_t(const Crossing& crossing) const {
