@@ -29,6 +29,8 @@ struct Box {
   }
 };
 
+inline bool is_empty(const Box& box) { return (_mm_movemask_ps(_mm_cmplt_ps(box.upper, box.lower)) & 7) != 0; }
+
 /// Of areas relative to the largest side of a box, so that the squares stay in the range of float.
 inline __m128 area_scale(const Box& box) {
   alignas(16) float extent[4];
