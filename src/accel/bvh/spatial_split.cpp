@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMostBins = 32;
 
-/// The half-space on one side of a plane, cut from a triangle: the box of what is left.
+/// The box of the part of a triangle on one side of a plane.
 struct Cut {
   dvec3 lower{static_cast<double>(kInfinity)};
   dvec3 upper{-static_cast<double>(kInfinity)};
@@ -45,7 +45,8 @@ Sides cut(const Geometry& geometry, const Primitive& reference, int axis, float 
     left.extend(crossing);
     right.extend(crossing);
   }
-  // As large as the whole triangle, and once more: the crossings and their floats are rounded too.
+  // A part is grown by what its whole triangle needs, since that is what is tested, and by as much again for the
+  // rounding of the crossings.
   const float size = 2.0f * max_component(triangle_bounds(triangle).diagonal());
   const auto box = [&](const Cut& side) {
     Primitive p = reference;
