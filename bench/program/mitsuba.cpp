@@ -15,15 +15,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kAdapter = RAYLAB_SOURCE_DIR "/bench/peers/mitsuba_render.py";
 constexpr const char* kVariant = "llvm_ad_rgb";
+
+std::string adapter() { return bench_script("peers/mitsuba_render.py").string(); }
 
 }  // namespace
 
 std::string why_no_mitsuba(const std::string& python) {
   if (python.empty()) return "no --peer-python was given";
-  if (!fs::exists(kAdapter)) return kAdapter + " is not there";
-  if (run_program({python, kAdapter, "--variant", kVariant, "--probe"}, true) != 0) {
+  if (!fs::exists(adapter())) return adapter() + " is not there";
+  if (run_program({python, adapter(), "--variant", kVariant, "--probe"}, true) != 0) {
     return python + " cannot run it (see above)";
   }
   return "";
@@ -35,7 +36,7 @@ PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene
   const auto picture = [&](int run) { return scratch / (std::to_string(options.seed + run) + ".exr"); };
   const fs::path json = scratch / "result.json";
   const int exit_code = run_program({python,
-                                     kAdapter,
+                                     adapter(),
                                      scene_file,
                                      "--variant",
                                      kVariant,

@@ -28,7 +28,7 @@ int report(const ReportOptions& options) {
   (void)read_results(options.folder);  // says what is wrong with it better than a Python trace would
   check_writable(std::filesystem::path(options.folder) / "index.html");
   std::vector<std::string> command{options.python.empty() ? find_python() : options.python,
-                                   RAYLAB_SOURCE_DIR "/bench/report/report.py", options.folder};
+                                   bench_script("report/report.py").string(), options.folder};
   if (options.png) command.push_back("--png");
   return run_program(command, false);
 }

@@ -28,4 +28,12 @@ int run_program(const std::vector<std::string>& command, bool quiet) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+std::filesystem::path bench_script(const std::filesystem::path& name) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  const fs::path installed = program.parent_path() / RAYLAB_SCRIPTS_FROM_PROGRAM / name;
+  return fs::exists(installed, unknown) ? installed.lexically_normal() : RAYLAB_SOURCE_DIR "/bench" / name;
+}
+
 }  // namespace raylab::bench
