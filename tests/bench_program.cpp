@@ -163,7 +163,7 @@ TEST_CASE("raylab-bench ladder measures each step from the book's tree to bvh, a
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   const Results results = read_results(folder.path());
-  CHECK(results.rows.size() == 35);  // seven steps, five kinds of rays
+  CHECK(results.rows.size() == 40);  // eight steps, five kinds of rays
   std::map<std::string, std::size_t> wrong_book;
   for (const Row& row : rows_where(results, "step", "1 book")) wrong_book[row["rays"]] = row["wrong"];
   CHECK(wrong_book["vertex"] > 0);
