@@ -1,6 +1,6 @@
-# Installs Raylab from BUILD_DIR, draws RESULTS with the installed programs, builds the program outside against
-# them, renders SCENE and checks agreement.
-# cmake -D BUILD_DIR=… -D SOURCE_DIR=… -D SCENE=… -D GENERATOR=… -D BUILD_TYPE=… -D RESULTS=… -P run.cmake
+# Installs Raylab from BUILD_DIR, draws the results of BENCH_DIR with it, builds the program outside against
+# it, renders SCENE and checks agreement.
+# cmake -D BUILD_DIR=… -D SOURCE_DIR=… -D SCENE=… -D GENERATOR=… -D BUILD_TYPE=… -D BENCH_DIR=… -P run.cmake
 set(work ${BUILD_DIR}/plugin-test)
 set(picture ${work}/picture.exr)
 file(REMOVE_RECURSE ${work})
@@ -15,15 +15,18 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${work}/prefix)
 
-# The charts are drawn by the installed scripts: the second time by one that says so.
-file(COPY ${RESULTS} DESTINATION ${work}/results)
-run(${work}/prefix/bin/raylab-bench report ${work}/results)
-if(NOT EXISTS ${work}/results/index.html)
-  message(FATAL_ERROR "no index.html was written")
-endif()
-file(GLOB_RECURSE script ${work}/prefix/share/raylab/report.py)
-file(WRITE "${script}" "import sys; open(sys.argv[1] + '/drawn', 'w').close()")
-run(${work}/prefix/bin/raylab-bench report ${work}/results)
+# The installed scripts are all there, and are the ones that run.
+file(GLOB_RECURSE scripts RELATIVE ${BENCH_DIR} ${BENCH_DIR}/report/*.py ${BENCH_DIR}/peers/*.py)
+file(GLOB_RECURSE report ${work}/prefix/share/raylab/report/report.py)
+cmake_path(GET report PARENT_PATH installed)
+foreach(script IN LISTS scripts)
+  if(NOT EXISTS ${installed}/../${script})
+    message(FATAL_ERROR "${script} was not installed")
+  endif()
+endforeach()
+file(WRITE "${report}" "import sys; open(sys.argv[1] + '/drawn', 'w').close()")
+file(COPY ${BENCH_DIR}/results/results.json DESTINATION ${work}/results)
+run(${work}/prefix/bin/raylab-bench report --python python3 ${work}/results)
 if(NOT EXISTS ${work}/results/drawn)
   message(FATAL_ERROR "the charts were drawn by another script than the installed one")
 endif()
