@@ -98,12 +98,21 @@ TEST_CASE("queries are timed in turns after a warm-up", "[unit][measure]") {
   const Noted a(log, 'a'), m(log, 'm');
   const Accelerator* both[] = {&a, &m};
   const std::vector<Ray> rays(2);
-  const auto times = time_queries(both, rays, Query::intersect, 2);
+  const auto times = time_queries(both, rays, Query::intersect, {2, 0.0});
   CHECK(log == "aammaammaamm");
   REQUIRE(times.size() == 2);
   CHECK(times[0].cpu.size() == 2);
   CHECK(times[1].wall.size() == 2);
   log.clear();
-  (void)time_queries(both, rays, Query::occluded, 1);
+  (void)time_queries(both, rays, Query::occluded, {1, 0.0});
   CHECK(log == "bbnnbbnn");
+  log.clear();
+  CHECK(time_queries(both, rays, Query::intersect, {1, 1e9})[1].cpu.size() == 200);  // the most
+}
+
+TEST_CASE("turns are spread evenly, however many each takes", "[unit]") {
+  using Order = std::vector<std::size_t>;
+  CHECK(turn_order(std::vector<int>{2, 2}) == Order{0, 1, 0, 1});
+  CHECK(turn_order(std::vector<int>{1, 6, 2, 3}) == Order{1, 1, 3, 1, 2, 1, 3, 1, 0, 1, 2, 3});
+  CHECK(turn_order({}).empty());
 }

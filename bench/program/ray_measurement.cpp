@@ -1,7 +1,5 @@
 #include "ray_measurement.hpp"
 
-#include <algorithm>
-
 #include "raylab/measure/batch_queries.hpp"
 #include "raylab/measure/ray_timing.hpp"
 
@@ -13,22 +11,6 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
   std::vector<double> speeds;
   for (const double s : seconds) speeds.push_back(1e-6 * static_cast<double>(rays) / s);
   return to_row(spread_of(speeds));
-}
-
-/// Repeats that give each accelerator a twentieth of a second, and no fewer than asked for: on small scenes a pass
-/// takes so little that the machine's moods would show.
-int enough_repeats(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays, Query query,
-                   int least) {
-  constexpr double kSeconds = 0.05;
-  constexpr int kMost = 100;
-  constexpr std::size_t kShare = 8;
-  const std::span<const Ray> some = rays.first(std::max<std::size_t>(1, rays.size() / kShare));
-  double fastest = kSeconds;
-  for (const QueryTimes& times : time_queries(accelerators, some, query, 1)) {
-    fastest =
-        std::min(fastest, times.cpu.front() * static_cast<double>(rays.size()) / static_cast<double>(some.size()));
-  }
-  return std::max(least, std::min(kMost, static_cast<int>(kSeconds / fastest)));
 }
 
 /// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
@@ -50,13 +32,13 @@ std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const
   std::vector<const Accelerator*> accelerators;
   for (const Built& b : built) accelerators.push_back(b.accelerator.get());
   const Query query = set.kind == RayKind::shadow ? Query::occluded : Query::intersect;
-  const int repeats = enough_repeats(accelerators, set.rays, query, options.repeats);
+  const Turns turns{options.repeats};
   const auto go_on = [&] {
     suite.check();
     return false;
   };
-  const auto times = time_queries(accelerators, set.rays, query, repeats, go_on);
-  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, repeats, go_on);
+  const auto times = time_queries(accelerators, set.rays, query, turns, go_on);
+  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, turns, go_on);
   const std::vector<Judgement> judgements = judge(accelerators, set, options.checked, suite);
   std::vector<Row> rows;
   for (std::size_t i = 0; i < built.size(); ++i) {

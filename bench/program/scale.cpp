@@ -104,7 +104,7 @@ int scale(const ScaleOptions& options) {
         built.push_back(build(v, made.geometry, 1));
         accelerators.push_back(built.back().accelerator.get());
       }
-      const auto times = time_queries(accelerators, made.rays, Query::intersect, options.repeats, [&] {
+      const auto times = time_queries(accelerators, made.rays, Query::intersect, Turns{options.repeats}, [&] {
         suite.check();
         return false;
       });

@@ -4,7 +4,6 @@
 
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
-#include "raylab/core/timing.hpp"
 
 namespace raylab {
 
@@ -35,29 +34,19 @@ RayBatch BatchedRays::batch(std::size_t index) const {
 }
 
 std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators,
-                                           const BatchedRays& rays, Query query, int repeats,
+                                           const BatchedRays& rays, Query query, const Turns& turns,
                                            const std::function<bool()>& stopped) {
-  std::vector<QueryTimes> times(accelerators.size());
-  const FlushDenormals flush;
   Answers answers;
-  for (int repeat = -1; repeat < repeats; ++repeat) {
-    for (std::size_t i = 0; i < accelerators.size(); ++i) {
-      if (stopped && stopped()) return times;
-      const CpuStopwatch cpu(CpuClock::thread);
-      const Stopwatch wall;
-      for (std::size_t b = 0; b < rays.batches(); ++b) {
-        if (query == Query::occluded) {
-          accelerators[i]->occluded_batch(rays.batch(b), answers.occluded.data());
-        } else {
-          accelerators[i]->intersect_batch(rays.batch(b), answers.hits());
-        }
+  const auto pass = [&](std::size_t i) {
+    for (std::size_t b = 0; b < rays.batches(); ++b) {
+      if (query == Query::occluded) {
+        accelerators[i]->occluded_batch(rays.batch(b), answers.occluded.data());
+      } else {
+        accelerators[i]->intersect_batch(rays.batch(b), answers.hits());
       }
-      if (repeat < 0) continue;
-      times[i].cpu.push_back(cpu.seconds());
-      times[i].wall.push_back(wall.seconds());
     }
-  }
-  return times;
+  };
+  return time_in_turns(accelerators.size(), turns, pass, stopped);
 }
 
 BatchAnswers::BatchAnswers(const Accelerator& accelerator, std::span<const Ray> rays) : accelerator_(accelerator) {

@@ -1,5 +1,8 @@
 #include "raylab/measure/ray_timing.hpp"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 
@@ -25,22 +28,46 @@ void send(const Accelerator& accelerator, std::span<const Ray> rays, Query query
 
 }  // namespace
 
-std::vector<QueryTimes> time_queries(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
-                                     Query query, int repeats, const std::function<bool()>& stopped) {
-  std::vector<QueryTimes> times(accelerators.size());
-  const FlushDenormals flush;
-  for (int repeat = -1; repeat < repeats; ++repeat) {
-    for (std::size_t i = 0; i < accelerators.size(); ++i) {
-      if (stopped && stopped()) return times;
-      const CpuStopwatch cpu(CpuClock::thread);
-      const Stopwatch wall;
-      send(*accelerators[i], rays, query);
-      if (repeat < 0) continue;
-      times[i].cpu.push_back(cpu.seconds());
-      times[i].wall.push_back(wall.seconds());
+std::vector<std::size_t> turn_order(std::span<const int> shares) {
+  std::vector<std::size_t> order;
+  const std::int64_t rounds = shares.empty() ? 0 : *std::max_element(shares.begin(), shares.end());
+  for (std::int64_t round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      if ((round + 1) * shares[i] / rounds > round * shares[i] / rounds) order.push_back(i);
     }
   }
+  return order;
+}
+
+std::vector<QueryTimes> time_in_turns(std::size_t count, const Turns& turns,
+                                      const std::function<void(std::size_t)>& pass,
+                                      const std::function<bool()>& stopped) {
+  constexpr int kMost = 200;
+  std::vector<QueryTimes> times(count);
+  std::vector<int> shares(count);
+  const FlushDenormals flush;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (stopped && stopped()) return times;
+    const CpuStopwatch warm_up(CpuClock::thread);
+    pass(i);
+    shares[i] =
+        std::max(turns.least, static_cast<int>(std::min<double>(kMost, turns.seconds / warm_up.seconds())));
+  }
+  for (const std::size_t i : turn_order(shares)) {
+    if (stopped && stopped()) return times;
+    const CpuStopwatch cpu(CpuClock::thread);
+    const Stopwatch wall;
+    pass(i);
+    times[i].cpu.push_back(cpu.seconds());
+    times[i].wall.push_back(wall.seconds());
+  }
   return times;
+}
+
+std::vector<QueryTimes> time_queries(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
+                                     Query query, const Turns& turns, const std::function<bool()>& stopped) {
+  return time_in_turns(
+      accelerators.size(), turns, [&](std::size_t i) { send(*accelerators[i], rays, query); }, stopped);
 }
 
 }  // namespace raylab
