@@ -134,6 +134,15 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
   }
 }
 
+TEST_CASE("bvh follows the surface area heuristic but for the fast tree", "[unit]") {
+  const FlushDenormals flush;
+  const Geometry geometry{{triangle_soup(20000, 1.0f, 0.01f, 1), triangle_soup(500, 1.0f, 0.3f, 2)}, {}};
+  const auto fast = make_accelerator("bvh", geometry, {.quality = BvhQuality::fast});
+  const auto balanced = make_accelerator("bvh", geometry, {.quality = BvhQuality::balanced});
+  CHECK(balanced->build_report().sah_cost < 0.95 * fast->build_report().sah_cost);
+  for (const Ray& ray : rays_into(geometry, 5000)) REQUIRE(fast->intersect(ray) == balanced->intersect(ray));
+}
+
 TEST_CASE("bvh makes the same tree of a mesh whether its triangles share their vertices or each has its own",
           "[unit]") {
   const FlushDenormals flush;

@@ -90,8 +90,9 @@ class Accelerator {
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
-/// How much building time `bvh` may spend on a better tree: `fast` sorts into 16 bins an axis, `balanced` into 32,
-/// and `best` also splits the space that primitives share and moves subtrees to where they cost least.
+/// How much building time `bvh` may spend on a better tree: `fast` splits in the middle of the centres, `balanced`
+/// by the surface area heuristic, and `best` also splits the space that primitives share and moves subtrees to
+/// where they cost least.
 enum class BvhQuality { fast, balanced, best };
 
 /// Choices for those accelerators that offer them.
