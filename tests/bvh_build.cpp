@@ -1,4 +1,8 @@
 // `bvh`: its tree on inputs of any shape.
+#include <cmath>
+#include <optional>
+
+#include "../src/accel/bvh/wide_tree.hpp"
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"
@@ -132,6 +136,57 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
       REQUIRE(best->occluded(ray) == expected.has_value());
     }
   }
+}
+
+TEST_CASE(
+    "a ray meets the children of a node of bvh in their order, where a plane parts them or one holds the other",
+    "[unit]") {
+  const FlushDenormals flush;
+  UniformFloats uniform(1);
+  const auto box_of = [](const Sphere& s) {
+    Bounds bounds;
+    bounds.extend(s.center - s.radius);
+    bounds.extend(s.center + s.radius);
+    return bounds;
+  };
+  const auto entry = [](const Bounds& box, const Ray& ray) -> std::optional<double> {
+    double near = 0.0, far = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = ray.direction[axis], o = ray.origin[axis];
+      const double a = (box.lower[axis] - o) / d, b = (box.upper[axis] - o) / d;
+      near = std::max(near, std::min(a, b));
+      far = std::min(far, std::max(a, b));
+    }
+    if (near > far) return std::nullopt;
+    return near;
+  };
+  int parted = 0, held = 0;
+  for (int pair = 0; pair < 1000; ++pair) {
+    const float radius = uniform(0.05f, 0.3f);
+    const std::vector<Sphere> spheres{
+        {uniform.in_box(vec3(-1.0f), vec3(1.0f)), radius},
+        {uniform.in_box(vec3(-1.0f), vec3(1.0f)), radius * std::exp2(uniform(-1.0f, 4.0f))}};
+    const Bounds boxes[2] = {box_of(spheres[0]), box_of(spheres[1])};
+    const bool is_parted = glm::any(glm::lessThan(boxes[0].upper, boxes[1].lower)) ||
+                           glm::any(glm::lessThan(boxes[1].upper, boxes[0].lower));
+    const bool is_held = glm::all(glm::lessThan(boxes[1].lower, boxes[0].lower)) &&
+                         glm::all(glm::lessThan(boxes[0].upper, boxes[1].upper));
+    if (!is_parted && !is_held) continue;
+    const bvh::WideTree tree = bvh::build_wide_tree({{}, spheres}, BvhQuality::balanced);
+    REQUIRE(bvh::ref_kind(tree.root) == bvh::RefKind::node);
+    const auto& node = reinterpret_cast<const bvh::Node<8>&>(tree.lines[bvh::ref_index(tree.root)]);
+    for (const Ray& ray : random_rays({vec3(-2.0f), vec3(2.0f)}, 200, static_cast<std::uint64_t>(pair))) {
+      const auto first = entry(boxes[0], ray), second = entry(boxes[1], ray);
+      if (!first || !second || *first == *second) continue;
+      const int octant =
+          (ray.direction.x < 0 ? 1 : 0) | (ray.direction.y < 0 ? 2 : 0) | (ray.direction.z < 0 ? 4 : 0);
+      const std::uint32_t nearest = bvh::ref_index(node.child[node.order[octant][0] & 15u]);
+      REQUIRE(tree.ids[nearest].primitive == (*first < *second ? 0u : 1u));
+      ++(is_parted ? parted : held);
+    }
+  }
+  CHECK(parted > 100);
+  CHECK(held > 100);
 }
 
 TEST_CASE("bvh follows the surface area heuristic but for the fast tree", "[unit]") {

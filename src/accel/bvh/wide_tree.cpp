@@ -118,15 +118,27 @@ class Treelet {
   void append_near_to_far(int part, int octant, std::uint32_t& packed, int& count) const {
     const Part& p = parts_[part];
     if (p.left == 0) return append(p.lane, packed, count);
-    // Along the axis on which the two are farthest apart.
-    const BinaryNode& a = node(p.left);
-    const BinaryNode& b = node(p.left + 1);
-    const vec3 apart = (b.lower - a.lower) + (b.upper - a.upper);
-    const vec3 size = glm::abs(apart);
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-    const bool a_is_nearer = (apart[axis] >= 0.0f) == ((octant >> axis & 1) == 0);
+    const bool a_is_nearer = meets_first(node(p.left), node(p.left + 1), octant);
     append_near_to_far(p.left + (a_is_nearer ? 0 : 1), octant, packed, count);
     append_near_to_far(p.left + (a_is_nearer ? 1 : 0), octant, packed, count);
+  }
+
+  /// Whether a ray of that octant that meets both boxes enters a no later than b. Known for certain where a plane
+  /// parts them, or one holds the other.
+  static bool meets_first(const BinaryNode& a, const BinaryNode& b, int octant) {
+    const vec3 apart = glm::max(a.lower, b.lower) - glm::min(a.upper, b.upper);
+    const int axis = apart.x >= apart.y && apart.x >= apart.z ? 0 : (apart.y >= apart.z ? 1 : 2);
+    if (apart[axis] < 0.0f) {
+      if (holds(a, b)) return true;
+      if (holds(b, a)) return false;
+    }
+    const bool a_is_lower = a.lower[axis] + a.upper[axis] <= b.lower[axis] + b.upper[axis];
+    return a_is_lower == ((octant >> axis & 1) == 0);
+  }
+
+  static bool holds(const BinaryNode& outer, const BinaryNode& inner) {
+    return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
+           glm::all(glm::greaterThanEqual(outer.upper, inner.upper));
   }
 
   const BinaryNode* nodes_;
