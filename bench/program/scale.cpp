@@ -1,5 +1,8 @@
 // raylab-bench scale: what grows with the number of triangles, and with threads.
 #include <algorithm>
+#include <functional>
+#include <span>
+#include <vector>
 
 #include "commands.hpp"
 #include "judged.hpp"
@@ -25,27 +28,28 @@ std::vector<Variant> scale_variants(const ScaleOptions& options) {
   return all;
 }
 
-/// Wall-clock seconds of all rays on several threads.
-std::vector<double> time_on_threads(const Accelerator& accelerator, std::span<const Ray> rays, int threads,
-                                    int repeats) {
+/// Sends all rays through each accelerator on several threads, in turns. Of these there is no time of one
+/// processor.
+std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> accelerators,
+                                        std::span<const Ray> rays, int threads, const Turns& turns,
+                                        const std::function<bool()>& stopped) {
   const ThreadLimit limit(threads);
   constexpr std::size_t kBlock = 1024;
   const std::size_t blocks = (rays.size() + kBlock - 1) / kBlock;
   std::vector<double> found(blocks);  // what was found, kept so that no query can be left out
-  std::vector<double> seconds;
-  for (int repeat = -1; repeat < repeats; ++repeat) {
-    const Stopwatch watch;
+  const auto send = [&](std::size_t i) {
     parallel_for(blocks, [&](std::size_t block) {
       double sum = 0.0;
       for (const Ray& ray : rays.subspan(block * kBlock, std::min(kBlock, rays.size() - block * kBlock))) {
-        const auto hit = accelerator.intersect(ray);
+        const auto hit = accelerators[i]->intersect(ray);
         sum += hit ? static_cast<double>(hit->t) : 0.0;
       }
       found[block] = sum;
     });
-    if (repeat >= 0) seconds.push_back(watch.seconds());
-  }
-  return seconds;
+  };
+  std::vector<QueryTimes> times = time_in_turns(accelerators.size(), turns, send, stopped);
+  for (QueryTimes& t : times) t.cpu.clear();
+  return times;
 }
 
 struct Subject {
@@ -65,7 +69,6 @@ void add_row(Suite& suite, const Subject& subject, const Built& built, int threa
   Row row{{"suite", "scale"}, {"scene", subject.family}, {"threads", threads}};
   add_fields(row, built.variant, subject.made.geometry, built);
   const std::size_t rays = subject.made.rays.size();
-  // Of several threads there is no time of one processor.
   row["mrays_per_second"] = speeds_of(rays, times.cpu.empty() ? times.wall : times.cpu);
   row["mrays_per_second_wall"] = speeds_of(rays, times.wall);
   row["rays_timed"] = subject.made.rays.size();
@@ -97,26 +100,25 @@ int scale(const ScaleOptions& options) {
       const Judge judge(made.geometry);
       const Subject subject{family, made, judge};
       const RaySet set{RayKind::primary, made.rays};
-      std::vector<Built> built;
-      std::vector<const Accelerator*> accelerators;
-      for (const Variant& v : all) {
-        suite.check();
-        built.push_back(build(v, made.geometry, 1));
-        accelerators.push_back(built.back().accelerator.get());
-      }
-      const auto times = time_queries(accelerators, made.rays, Query::intersect, Turns{options.repeats}, [&] {
+      const auto stopped = [&] {
         suite.check();
         return false;
-      });
-      const auto judgements = judge(accelerators, set, options.checked, suite);
-      for (std::size_t i = 0; i < built.size(); ++i) add_row(suite, subject, built[i], 1, times[i], judgements[i]);
-      for (int threads = 2; size == sizes.back() && threads <= hardware_threads(); ++threads) {
+      };
+      const int most_threads = size == sizes.back() ? hardware_threads() : 1;
+      for (int threads = 1; threads <= most_threads; ++threads) {
+        std::vector<Built> built;
+        std::vector<const Accelerator*> accelerators;
         for (const Variant& v : all) {
-          const Built again = build(v, made.geometry, threads);
-          const Accelerator* one[] = {again.accelerator.get()};
-          const QueryTimes wall{{}, time_on_threads(*one[0], made.rays, threads, options.repeats)};
-          add_row(suite, subject, again, threads, wall, judge(one, set, options.checked, suite).front());
+          suite.check();
+          built.push_back(build(v, made.geometry, threads));
+          accelerators.push_back(built.back().accelerator.get());
         }
+        const Turns turns{options.repeats};
+        const auto times = threads == 1 ? time_queries(accelerators, made.rays, Query::intersect, turns, stopped)
+                                        : time_on_threads(accelerators, made.rays, threads, turns, stopped);
+        const auto judgements = judge(accelerators, set, options.checked, suite);
+        for (std::size_t i = 0; i < built.size(); ++i)
+          add_row(suite, subject, built[i], threads, times[i], judgements[i]);
       }
       suite.advance(static_cast<double>(size));
     }
