@@ -28,6 +28,15 @@ def plain_number(x, _=None):
     return f"{x:g}" if 1e-4 <= x < 1e5 else f"{x:.0e}"
 
 
+def number_decades(side):
+    """Numbers along a logarithmic axis: at the decades, and between them where there are few."""
+    low, high = side.get_view_interval()
+    between = (1.0, 2.0, 5.0) if high < 50.0 * low else (1.0,)
+    side.set_major_locator(LogLocator(subs=between, numticks=7))
+    side.set_major_formatter(FuncFormatter(plain_number))
+    side.set_minor_formatter(NullFormatter())
+
+
 def convergence(results, scenes):
     figure, axes = style.panels(len(scenes), 3, width=4.4, height=4.0)
     for axis, (scene, rows) in zip(axes, scenes.items()):
@@ -50,9 +59,7 @@ def convergence(results, scenes):
         axis.set_xscale("log")
         axis.set_yscale("log")
         for side in (axis.xaxis, axis.yaxis):
-            side.set_major_locator(LogLocator(numticks=7))
-            side.set_major_formatter(FuncFormatter(plain_number))
-            side.set_minor_formatter(NullFormatter())
+            number_decades(side)
         size = f"{rows[0]['width']} × {rows[0]['height']}"
         spp = sorted({row["spp"] for row in rows})
         axis.set_title(f"{scene}, {size}, {rows[0]['threads']} threads\n{', '.join(map(str, spp))} samples per pixel",
@@ -77,8 +84,7 @@ def time_to_error(results, scenes):
         axis.set_xscale("log")
         low, high = min(row["seconds"] for row in rows), max(row["seconds"] for row in rows)
         axis.set_xlim(low / 2.0, high * (high / low) ** 0.35 * 2.0)
-        axis.xaxis.set_major_formatter(FuncFormatter(plain_number))
-        axis.xaxis.set_minor_formatter(NullFormatter())
+        number_decades(axis.xaxis)
         axis.grid(False, axis="y")
         axis.set_title(f"{scene}: relMSE {rows[0]['target_relmse']:g}")
         axis.set_xlabel("seconds")
