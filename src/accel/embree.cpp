@@ -32,8 +32,8 @@ float to_embree(const Ray& ray, RTCRay& out) {
   const vec3 size = glm::abs(ray.direction);
   const float largest = max_component(size);
   float scale = 1.0f;
-  if (!(largest <= kLargestDirection && largest >= kSmallestDirection)) {
-    scale = std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
+  if (largest > 0.0f && !(largest <= kLargestDirection && largest >= kSmallestDirection)) {
+    scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
   }
   out.org_x = ray.origin.x;
   out.org_y = ray.origin.y;

@@ -217,7 +217,7 @@ class Bvh final : public Accelerator {
              ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max()};
     if (!(largest <= direction_range_ && largest * direction_range_ >= 1.0f)) [[unlikely]] {
       if (!(largest > 0.0f)) return false;
-      scale = std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
+      scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
       for (float& d : query.direction) d *= scale;
       query.t_min /= scale;
       // What would be a denormal counts as 0, as it would without scaling.
