@@ -76,6 +76,18 @@ TEST_CASE("watertight hits triangles of any size, where the book's epsilon loses
   CHECK(lost_by_book > 20);  // all below 1e-4, whose determinant is below 1e-8
 }
 
+TEST_CASE("watertight finds no hit beyond a triangle along which the ray runs up to rounding", "[stability]") {
+  // Of the bunny: the ray goes to the last corner, 4e-9 past it, and meets the plane at t = 1.004.
+  const Triangle edge_on{{-0x1.4874ap-1f, 0x1.4f7bd4p-3f, -0x1.290802p-2f},
+                         {-0x1.d41458p-1f, 0x1.6c91fap-4f, -0x1.b163aep-2f},
+                         {-0x1.bb3368p-1f, 0x1.5562bep-5f, -0x1.62058ap-1f}};
+  const Ray ray{{-0x1.83b624p-1f, 0x1.001ccep-3f, -0x1.85724ep-2f},
+                {-0x1.bbea2p-4f, -0x1.55883cp-4f, -0x1.3e98c6p-2f}};
+  const auto hit = intersect_watertight(WatertightRay(ray), edge_on, 0.0f, kInfinity);
+  REQUIRE(hit.has_value());
+  CHECK(std::abs(hit->t - 1.0f) <= 0x1p-22f);
+}
+
 TEST_CASE("watertight gives one hit and t · length for directions of any length", "[stability]") {
   const FlushDenormals flush;
   std::size_t lost_by_book = 0;

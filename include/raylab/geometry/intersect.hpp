@@ -87,9 +87,9 @@ inline dvec3 triangle_normal(const Triangle& tri) {
   return glm::cross(dvec3(tri.p1) - p0, dvec3(tri.p2) - p0);
 }
 
-/// Below this share of the sizes of its terms the sine between ray and plane may be cancelled away, even in
-/// double.
-inline constexpr double kDoubtfulFacing = 0x1p-20;
+/// Below this share of the sizes of its terms the sine between ray and plane is so small that the line, which the
+/// edge functions know up to roundings of floats, may meet the plane outside the triangle.
+inline constexpr double kDoubtfulFacing = 0x1p-12;
 
 /// Distance to the plane of the triangle, in double from the vertices as they are; where the ray runs nearly along
 /// the plane, kept within the distances of the vertices, and `otherwise` where it runs along it.
