@@ -135,6 +135,14 @@ inline Wide select(WideMask m, Wide yes, Wide no) {
   return m.v ? yes.v : no.v;
 #endif
 }
+inline WideUInt select(WideMask m, WideUInt yes, WideUInt no) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<UIntVector>(_mm512_mask_blend_epi32(m.v, reinterpret_cast<__m512i>(no.v),
+                                                              reinterpret_cast<__m512i>(yes.v)));
+#else
+  return m.v ? yes.v : no.v;
+#endif
+}
 inline Wide lesser(Wide a, Wide b) {
 #if defined(__AVX512F__)
   return _mm512_min_ps(a.v, b.v);
@@ -191,6 +199,29 @@ inline Wide gather(const float* table, WideUInt index, WideMask m) {
     const int i = __builtin_ctz(bits);
     found[i] = table[index.v[i]];
   }
+  return found;
+#endif
+}
+
+/// Of a table of sixteen, aligned to its size, the entries with these indices.
+inline Wide look_up16(const float* table, WideUInt index) {
+#if defined(__AVX512F__)
+  return _mm512_permutexvar_ps(reinterpret_cast<__m512i>(index.v), _mm512_load_ps(table));
+#elif defined(__AVX2__)
+  return _mm256_i32gather_ps(table, reinterpret_cast<__m256i>(index.v), 4);
+#else
+  FloatVector found;
+  for (int i = 0; i < kLanes; ++i) found[i] = table[index.v[i]];
+  return found;
+#endif
+}
+inline WideUInt look_up16(const std::uint8_t* table, WideUInt index) {
+#if defined(__AVX512F__)
+  const __m512i all = _mm512_cvtepu8_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(table)));
+  return reinterpret_cast<UIntVector>(_mm512_permutexvar_epi32(reinterpret_cast<__m512i>(index.v), all));
+#else
+  UIntVector found;
+  for (int i = 0; i < kLanes; ++i) found[i] = table[index.v[i]];
   return found;
 #endif
 }

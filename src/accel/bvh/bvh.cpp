@@ -1,6 +1,7 @@
 // `bvh`: Raylab's own tree. See layout.hpp for what it is made of, traverse.hpp for how it is traversed.
+#include <xmmintrin.h>
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 
@@ -36,13 +37,6 @@ const Kernel& choose_kernel(std::optional<Isa> forced) {
   return kernel_of(forced.value_or(newest_isa()));
 }
 
-/// Rays whose directions are not of one octant are better traced alone where in a packet each of them would visit
-/// more nodes and blocks alone than this: one in a tree larger than the caches of a core, since rays that
-/// take turns wait for memory together. Measured on diffuse rays of the dragon (5 visits: 1.2 times as fast
-/// alone), the bunny (2.5: 0.85) and synthetic geometry of 10^3 to 10^6 primitives.
-constexpr std::size_t kMostVisitsAlone = 4;
-constexpr std::size_t kLargeTree = std::size_t{4} << 20;  // bytes
-
 /// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the
 /// box test can.
 constexpr float kBookDirectionRange = 0x1p120f;
@@ -54,7 +48,7 @@ class Bvh final : public Accelerator {
     const Intersector intersector = options.intersector.value_or(Intersector::watertight);
     intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
     occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
-    traces_packets_ = intersector == Intersector::watertight;
+    traces_groups_ = intersector == Intersector::watertight;
     if (intersector == Intersector::book) direction_range_ = kBookDirectionRange;
     const Stopwatch watch;
     {
@@ -66,7 +60,6 @@ class Bvh final : public Accelerator {
     view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), &context_};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
-    if (report_.bytes > kLargeTree) most_visits_alone_ = 1;
     report_.primitives = tree_.primitives;
     report_.invalid_primitives = geometry.primitive_count() - tree_.primitives;
     report_.nodes = tree_.nodes;
@@ -94,114 +87,46 @@ class Bvh final : public Accelerator {
   }
 
   void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
-    if (!traces_packets_) return Accelerator::intersect_batch(rays, hits);
-    trace(rays, kernel_.intersect_packet, kernel_.intersect_rays,
-          [&](std::size_t i, float t, float u, float v, std::uint32_t place) {
-            hits.geometry[i] = HitBatch::kNoHit;
-            if (place == kNoPrimitive) return;
-            hits.t[i] = t;
-            hits.u[i] = u;
-            hits.v[i] = v;
-            hits.geometry[i] = tree_.ids[place].geometry;
-            hits.primitive[i] = tree_.ids[place].primitive;
-          });
+    if (!traces_groups_) return Accelerator::intersect_batch(rays, hits);
+    for_groups(rays, kernel_.intersect_group, [&](std::size_t i, const GroupHits& found, int k) {
+      const std::uint32_t place = found.place[k];
+      hits.geometry[i] = HitBatch::kNoHit;
+      if (place == kLeftOut) [[unlikely]]
+        return hits.set(i, intersect(rays.ray(i)));
+      if (place == kNoPrimitive) return;
+      hits.t[i] = found.t[k];
+      hits.u[i] = found.u[k];
+      hits.v[i] = found.v[k];
+      hits.geometry[i] = tree_.ids[place].geometry;
+      hits.primitive[i] = tree_.ids[place].primitive;
+    });
   }
 
   void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
-    if (!traces_packets_) return Accelerator::occluded_batch(rays, occluded_rays);
-    trace(rays, kernel_.occluded_packet, kernel_.occluded_rays,
-          [&](std::size_t i, float, float, float, std::uint32_t place) {
-            occluded_rays[i] = place != kNoPrimitive;
-          });
+    if (!traces_groups_) return Accelerator::occluded_batch(rays, occluded_rays);
+    for_groups(rays, kernel_.occluded_group, [&](std::size_t i, const GroupHits& found, int k) {
+      const std::uint32_t place = found.place[k];
+      occluded_rays[i] = place == kLeftOut ? occluded(rays.ray(i)) : place != kNoPrimitive;
+    });
   }
 
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
-  /// Rays of a batch that are to be answered one by one.
-  struct RayList {
-    static constexpr int kMost = 128;
-    KernelRay queries[kMost];
-    KernelHit hits[kMost];
-    float scale[kMost];
-    std::size_t ray[kMost];
-    int count = 0;
-  };
-
-  /// Answers a batch: packet by packet, as long as the rays of a packet stay together on most of their way; once
-  /// they turn out not to, ray by ray, but for packets of one octant. take(i, t, u, v, place) is given each
-  /// answer.
-  template <class TracePacket, class TraceRays, class Take>
-  void trace(const RayBatch& rays, TracePacket trace_packet, TraceRays trace_rays, const Take& take) const {
-    RayList list;
-    const auto trace_list = [&] {
-      trace_rays(view_, list.queries, list.count, list.hits);
-      for (int i = 0; i < list.count; ++i) {
-        const KernelHit& hit = list.hits[i];
-        take(list.ray[i], hit.t * list.scale[i], hit.u, hit.v, hit.place);
-      }
-      list.count = 0;
-    };
-    const auto width = static_cast<std::size_t>(kernel_.packet);
-    std::size_t in_packets = 0, visits_alone = 0;
-    for (std::size_t first = 0; first < rays.count; first += width) {
-      const std::size_t count = std::min(width, rays.count - first);
-      std::uint32_t left_out = (1u << count) - 1u;
-      if (visits_alone <= most_visits_alone_ * in_packets || is_coherent(rays, first, count)) {
-        Padded padded;
-        PacketHits found{};
-        left_out = trace_packet(view_, packet_of(rays, first, count, padded), found);
-        in_packets += count;
-        visits_alone += static_cast<std::size_t>(found.turns);
-        for (std::size_t i = 0; i < count; ++i)
-          take(first + i, found.t[i], found.u[i], found.v[i], found.place[i]);
-      }
-      for (; left_out != 0; left_out &= left_out - 1) {
-        const std::size_t i = first + static_cast<std::size_t>(__builtin_ctz(left_out));
-        list.ray[list.count] = i;
-        if (make_query(rays.ray(i), list.queries[list.count], list.scale[list.count]))
-          ++list.count;
-        else
-          take(i, 0.0f, 0.0f, 0.0f, kNoPrimitive);
-      }
-      if (list.count + kLargestPacket > RayList::kMost) trace_list();
+  /// take(i, hits, k): the answer for ray i is k of the hits.
+  template <class Trace, class Take>
+  void for_groups(const RayBatch& rays, Trace trace, const Take& take) const {
+    GroupHits hits;
+    for (std::size_t first = 0; first < rays.count; first += kGroup) {
+      const int count = static_cast<int>(std::min<std::size_t>(kGroup, rays.count - first));
+      const RayArrays group{
+          {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
+          {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
+          rays.t_min + first,
+          rays.t_max + first};
+      trace(view_, group, count, hits);
+      for (int k = 0; k < count; ++k) take(first + static_cast<std::size_t>(k), hits, k);
     }
-    trace_list();
-  }
-
-  /// Whether all directions are of one octant.
-  static bool is_coherent(const RayBatch& rays, std::size_t first, std::size_t count) {
-    std::uint32_t differ = 0;
-    for (const float* direction : rays.direction) {
-      const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint32_t>(direction[first + i]); };
-      for (std::size_t i = 1; i < count; ++i) differ |= bits(i) ^ bits(0);
-    }
-    return differ >> 31 == 0;
-  }
-
-  struct Padded {
-    alignas(64) float values[8][kLargestPacket];
-  };
-  PacketRays packet_of(const RayBatch& rays, std::size_t first, std::size_t count, Padded& padded) const {
-    PacketRays packet{{rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
-                      {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
-                      rays.t_min + first,
-                      rays.t_max + first,
-                      (1u << count) - 1u};
-    const auto width = static_cast<std::size_t>(kernel_.packet);
-    if (count < width) {  // whole vectors are read
-      const auto pad = [&](const float*& from, float* to) {
-        std::fill_n(std::copy_n(from, count, to), width - count, 0.0f);
-        from = to;
-      };
-      for (int axis = 0; axis < 3; ++axis) {
-        pad(packet.origin[axis], padded.values[axis]);
-        pad(packet.direction[axis], padded.values[3 + axis]);
-      }
-      pad(packet.t_min, padded.values[6]);
-      pad(packet.t_max, padded.values[7]);
-    }
-    return packet;
   }
 
   /// False where nothing can be hit. Directions whose reciprocal is out of range are multiplied by a power of two,
@@ -211,10 +136,11 @@ class Bvh final : public Accelerator {
     scale = 1.0f;
     const vec3 size = glm::abs(ray.direction);
     const float largest = max_component(size);
-    query = {{ray.origin.x, ray.origin.y, ray.origin.z},
-             {ray.direction.x, ray.direction.y, ray.direction.z},
-             ray.t_min,
-             ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max()};
+    // Written as whole vectors, as the kernel reads it: else it would have to wait for them.
+    _mm_store_ps(query.origin, _mm_setr_ps(ray.origin.x, ray.origin.y, ray.origin.z, ray.t_min));
+    _mm_store_ps(query.direction,
+                 _mm_setr_ps(ray.direction.x, ray.direction.y, ray.direction.z,
+                             ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max()));
     if (!(largest <= direction_range_ && largest * direction_range_ >= 1.0f)) [[unlikely]] {
       if (!(largest > 0.0f)) return false;
       scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
@@ -235,8 +161,7 @@ class Bvh final : public Accelerator {
   KernelHit (*intersect_)(const TreeView&, const KernelRay&) noexcept;
   bool (*occluded_)(const TreeView&, const KernelRay&) noexcept;
   float direction_range_ = kDirectionRange;
-  bool traces_packets_;
-  std::size_t most_visits_alone_ = kMostVisitsAlone;
+  bool traces_groups_;
   BuildReport report_;
 };
 

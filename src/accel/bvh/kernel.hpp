@@ -8,40 +8,41 @@ namespace raylab::bvh {
 /// The ray as the traversal takes it. The largest component of the direction is neither so small nor so large
 /// that its reciprocal overflows or vanishes. Hits count with t_min < t <= limit: closed above, so that of hits
 /// at the same distance the one with the smallest id can be chosen, whatever the order in which they are found.
-struct KernelRay {
+struct alignas(16) KernelRay {
   float origin[3];
-  float direction[3];
   float t_min;
+  float direction[3];
   float limit;
 };
 
 inline constexpr std::uint32_t kNoPrimitive = 0xffffffffu;
+/// Instead of a place: the direction is too long or too short, so that the ray was left out.
+inline constexpr std::uint32_t kLeftOut = 0xfffffffeu;
 
 struct KernelHit {
   float t, u, v;
   std::uint32_t place;  ///< in the order of the tree, or kNoPrimitive
 };
 
-/// Rays for the lanes of a vector, side by side, each array as long as the vector. Lanes that are not named hold
-/// any numbers.
-struct PacketRays {
+/// Rays side by side.
+struct RayArrays {
   const float* origin[3];
   const float* direction[3];
   const float* t_min;
-  const float* t_max;   ///< hits count below it
-  std::uint32_t lanes;  ///< bit i: lane i is a ray
+  const float* t_max;  ///< hits count below it
 };
-inline constexpr int kLargestPacket = 16;
+/// Most rays that are answered together.
+inline constexpr int kGroup = 256;
 
 /// Within this factor of 1, either way, the largest component of a direction needs no rescaling.
 inline constexpr float kDirectionRange = 0x1p60f;
 
-struct PacketHits {
-  alignas(64) float t[kLargestPacket];
-  alignas(64) float u[kLargestPacket];
-  alignas(64) float v[kLargestPacket];
-  std::uint32_t place[kLargestPacket];  ///< any primitive, if any hit will do
-  int turns;                            ///< nodes, blocks and spheres that rays of the packet have visited alone
+/// Room for whole vectors.
+struct GroupHits {
+  alignas(64) float t[kGroup];
+  alignas(64) float u[kGroup];
+  alignas(64) float v[kGroup];
+  std::uint32_t place[kGroup];  ///< any primitive, if any hit will do
 };
 
 /// What the functions below need that the traversal must not see.
@@ -96,13 +97,9 @@ struct Kernel {
   int width;                                                              ///< children a node
   KernelHit (*intersect[3])(const TreeView&, const KernelRay&) noexcept;  ///< by Intersector
   bool (*occluded[3])(const TreeView&, const KernelRay&) noexcept;
-  int packet;  ///< rays a packet; its intersector is watertight
-  /// Both give the lanes that they leave out, since their directions are too long or too short.
-  std::uint32_t (*intersect_packet)(const TreeView&, const PacketRays&, PacketHits&) noexcept;
-  std::uint32_t (*occluded_packet)(const TreeView&, const PacketRays&, PacketHits&) noexcept;
-  /// Many rays that have little in common. Any hit will do for the second.
-  void (*intersect_rays)(const TreeView&, const KernelRay*, int count, KernelHit*) noexcept;
-  void (*occluded_rays)(const TreeView&, const KernelRay*, int count, KernelHit*) noexcept;
+  /// Up to kGroup rays, by the watertight test. Those with kLeftOut for a place have no answer.
+  void (*intersect_group)(const TreeView&, const RayArrays&, int count, GroupHits&) noexcept;
+  void (*occluded_group)(const TreeView&, const RayArrays&, int count, GroupHits&) noexcept;
 };
 
 extern const Kernel kKernelSse42;

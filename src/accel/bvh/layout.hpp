@@ -44,7 +44,7 @@ inline constexpr int kBlockSize = 16;
 /// takes half the memory of three vertices a triangle, and each vertex is transformed once.
 struct alignas(64) SharedBlock {
   float position[3][kBlockSize];  ///< x of all vertices, then y, then z; unused ones are 0
-  std::uint8_t corner[3][kBlockSize];
+  alignas(16) std::uint8_t corner[3][kBlockSize];
   std::uint32_t first;  ///< place of lane 0 in the order of the tree; the lanes follow, their ids ascending
   std::uint32_t lanes;  ///< bit i set: lane i is a triangle
 };

@@ -25,12 +25,30 @@ class PacketTriangleTest {
   struct Vertex {
     Wide x, y, z;
   };
-  Vertex transform(float px, float py, float pz) const {
+  Vertex transform(const WideVec3& p) const {
     Vertex v;
-    permute({Wide(px) - origin_.x, Wide(py) - origin_.y, Wide(pz) - origin_.z}, v.x, v.y, v.z);
+    permute(p - origin_, v.x, v.y, v.z);
     v.x = v.x - shear_x_ * v.z;
     v.y = v.y - shear_y_ * v.z;
     return v;
+  }
+
+  struct Edges {
+    Wide u, v, w, smallest, largest;
+  };
+  static Edges edges(const Vertex& a, const Vertex& b, const Vertex& c) {
+    Edges e;
+    e.u = c.x * b.y - c.y * b.x;
+    e.v = a.x * c.y - a.y * c.x;
+    e.w = b.x * a.y - b.y * a.x;
+    e.smallest = lesser(e.w, lesser(e.v, e.u));
+    e.largest = greater(e.w, greater(e.v, e.u));
+    return e;
+  }
+  /// The lanes whose rays pass inside the edges of a triangle, or through them.
+  static WideMask inside(const Vertex& a, const Vertex& b, const Vertex& c) {
+    const Edges e = edges(a, b, c);
+    return !((e.smallest < Wide(0.0f)) & (Wide(0.0f) < e.largest));
   }
 
   struct Found {
@@ -39,22 +57,16 @@ class PacketTriangleTest {
     WideMask unsure;     ///< only the scalar test can tell
     Wide t, beta, gamma;
   };
-  /// False where no lane has a hit. With any_hit the distances need not be right.
+  /// Of lanes that are inside. With any_hit the distances need not be right.
   template <bool any_hit>
-  bool find(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit,
-            Found& found) const {
+  Found find(WideMask lanes, const Vertex& a, const Vertex& b, const Vertex& c, Wide t_min, Wide limit) const {
+    Found found;
     const Wide zero(0.0f);
-    const Wide u = c.x * b.y - c.y * b.x;
-    const Wide v = a.x * c.y - a.y * c.x;
-    const Wide w = b.x * a.y - b.y * a.x;
-    const Wide smallest = lesser(w, lesser(v, u));
-    const Wide largest = greater(w, greater(v, u));
-    const WideMask inside = lanes & !((smallest < zero) & (zero < largest));
-    if (!any(inside)) return false;
-    const Wide det = u + v + w;
+    const Edges e = edges(a, b, c);
+    const Wide det = e.u + e.v + e.w;
     const Wide inv_det = Wide(1.0f) / det;
-    found.beta = v * inv_det;
-    found.gamma = w * inv_det;
+    found.beta = e.v * inv_det;
+    found.gamma = e.w * inv_det;
     const Wide ab = b.z - a.z, ac = c.z - a.z;
     const Wide z = a.z + found.beta * ab + found.gamma * ac;
     found.t = z / direction_z_;
@@ -66,29 +78,31 @@ class PacketTriangleTest {
     const WideMask precise =
         (error < Wide(kTrustedSlope) * depth) | ((found.t < zero) & (error < Wide(kTrustedSignSlope) * depth));
     const WideMask sure =
-        inside & (Wide(0x1p-100f) < size) & (size < Wide(0x1p120f)) & (smallest != zero) & (largest != zero);
+        lanes & (Wide(0x1p-100f) < size) & (size < Wide(0x1p120f)) & (e.smallest != zero) & (e.largest != zero);
     const Wide margin = greater(error, Wide(kSmallestError)) * Wide(kRoughError) * magnitude(found.t);
     WideMask decided = precise | (margin < (found.t - limit) * depth);
     if constexpr (any_hit) {
       decided = decided | ((margin < (limit - found.t) * depth) & (margin < (found.t - t_min) * depth));
     }
-    found.unsure = inside & !sure;
+    found.unsure = lanes & !sure;
     found.imprecise = sure & !decided;
     found.hit = sure & decided & (t_min < found.t) & (found.t <= limit);
-    return any(found.hit | found.imprecise | found.unsure);
+    return found;
   }
 
-  /// watertight_plane_distance() for all lanes, of a triangle of the block with this normal.
-  template <class Block>
-  Wide plane_distance(const Block& block, int lane, const double (&n)[3], Wide otherwise) const {
-    const auto corner = [&](int axis, int k) { return block.position[axis][corner_of(block, k, lane)]; };
-    const WideDouble x = WideDouble(direction_.x) * n[0];
-    const WideDouble y = WideDouble(direction_.y) * n[1];
-    const WideDouble z = WideDouble(direction_.z) * n[2];
+  /// watertight_plane_distance() for all lanes, of triangles with these corners.
+  Wide plane_distance(const WideVec3 (&corner)[3], Wide otherwise) const {
+    const WideDouble p0x(corner[0].x), p0y(corner[0].y), p0z(corner[0].z);
+    const WideDouble e1x = WideDouble(corner[1].x) - p0x, e2x = WideDouble(corner[2].x) - p0x;
+    const WideDouble e1y = WideDouble(corner[1].y) - p0y, e2y = WideDouble(corner[2].y) - p0y;
+    const WideDouble e1z = WideDouble(corner[1].z) - p0z, e2z = WideDouble(corner[2].z) - p0z;
+    const WideDouble nx = e1y * e2z - e2y * e1z, ny = e1z * e2x - e2z * e1x, nz = e1x * e2y - e2x * e1y;
+    const WideDouble x = WideDouble(direction_.x) * nx;
+    const WideDouble y = WideDouble(direction_.y) * ny;
+    const WideDouble z = WideDouble(direction_.z) * nz;
     const WideDouble facing = x + y + z;
-    const WideDouble distance = (static_cast<double>(corner(0, 0)) - WideDouble(origin_.x)) * n[0] +
-                                (static_cast<double>(corner(1, 0)) - WideDouble(origin_.y)) * n[1] +
-                                (static_cast<double>(corner(2, 0)) - WideDouble(origin_.z)) * n[2];
+    const WideDouble distance = (p0x - WideDouble(origin_.x)) * nx + (p0y - WideDouble(origin_.y)) * ny +
+                                (p0z - WideDouble(origin_.z)) * nz;
     const WideDouble t = distance / facing;
     const WideMask doubtful =
         !(WideDouble(kDoubtfulFacing) * (magnitude(x) + magnitude(y) + magnitude(z)) < magnitude(facing));
@@ -96,10 +110,7 @@ class PacketTriangleTest {
       return t.to_float();
     const WideDouble direction_z(direction_z_);
     const WideDouble origin_z(z_of(origin_));
-    const auto at_corner = [&](int k) {
-      const Wide p = z_of({Wide(corner(0, k)), Wide(corner(1, k)), Wide(corner(2, k))});
-      return (WideDouble(p) - origin_z) / direction_z;
-    };
+    const auto at_corner = [&](int k) { return (WideDouble(z_of(corner[k])) - origin_z) / direction_z; };
     const WideDouble t0 = at_corner(0), t1 = at_corner(1), t2 = at_corner(2);
     const WideDouble kept = at_most(at_least(t, at_most(at_most(t0, t1), t2)), at_least(at_least(t0, t1), t2));
     const WideMask along = !((facing < WideDouble(0.0)) | (WideDouble(0.0) < facing));
@@ -119,6 +130,17 @@ class PacketTriangleTest {
   WideMask z_is_x_, z_is_y_;
   Wide direction_z_, shear_x_, shear_y_;
 };
+
+/// Corner k of the triangles that each lane names.
+inline WideVec3 corner_at(const SharedBlock& block, int k, WideUInt triangle) {
+  const WideUInt at = look_up16(block.corner[k], triangle);
+  return {look_up16(block.position[0], at), look_up16(block.position[1], at), look_up16(block.position[2], at)};
+}
+inline WideVec3 corner_at(const SeparateBlock& block, int k, WideUInt triangle) {
+  const int first = k * kBlockSize;
+  return {look_up16(block.position[0] + first, triangle), look_up16(block.position[1] + first, triangle),
+          look_up16(block.position[2] + first, triangle)};
+}
 
 /// BoxTest with the lanes for rays instead of children.
 class PacketBoxTest {

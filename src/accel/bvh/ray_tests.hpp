@@ -3,6 +3,8 @@
 // file has chosen (simd_*.hpp). All of it is local to that file, and calls no inline function of a shared header:
 // see layout.hpp. No sum of products is contracted and the order of operations is the same for all instruction
 // sets, so all give the same hits, bit for bit.
+#include <immintrin.h>
+
 #include "kernel.hpp"
 
 namespace raylab::bvh {
@@ -21,7 +23,36 @@ constexpr float kBookSmallestDeterminant = 1e-8f;
 constexpr float kRoughError = 0x1p-18f;
 constexpr float kSmallestError = 0x1p-100f;
 
-inline bool negative(float x) { return __builtin_signbit(x) != 0; }
+/// x, y and z, and in the last lane something else.
+inline __m128 load_direction(const KernelRay& ray) { return _mm_load_ps(ray.direction); }
+
+/// The axes in the order in which intersect_watertight takes them: z along the largest component of the direction, x
+/// and y swapped where that is negative. From a table, as it is a guess to a processor that branches.
+struct AxisOrder {
+  std::int8_t kx, ky, kz;
+};
+struct AxisOrders {
+  AxisOrder of[64];
+};
+constexpr AxisOrders make_axis_orders() {
+  AxisOrders orders{};
+  for (int i = 0; i < 64; ++i) {
+    const bool x_over_y = (i & 1) != 0, x_over_z = (i & 2) != 0, y_over_z = (i & 4) != 0;
+    const int kz = x_over_y ? (x_over_z ? 0 : 2) : (y_over_z ? 1 : 2);
+    const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
+    const bool down = (i >> (3 + kz) & 1) != 0;
+    orders.of[i] = {static_cast<std::int8_t>(down ? ky : kx), static_cast<std::int8_t>(down ? kx : ky),
+                    static_cast<std::int8_t>(kz)};
+  }
+  return orders;
+}
+constexpr AxisOrders kAxisOrders = make_axis_orders();
+inline int axis_order_index(__m128 direction) {
+  const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), direction);
+  const __m128 over = _mm_cmpgt_ps(_mm_shuffle_ps(size, size, _MM_SHUFFLE(3, 1, 0, 0)),
+                                   _mm_shuffle_ps(size, size, _MM_SHUFFLE(3, 2, 2, 1)));
+  return (_mm_movemask_ps(over) & 7) | (_mm_movemask_ps(direction) & 7) << 3;
+}
 
 /// The slab test of a ray against all children of a node. A child is hit unless the ray certainly misses it: the
 /// near planes are taken a little nearer and the far planes a little farther than computed (Ize 2013, JCGT 2:2;
@@ -33,15 +64,14 @@ class BoxTest {
   static constexpr int width = Vector::lanes;
 
   explicit BoxTest(const KernelRay& ray) : t_min_(ray.t_min) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const float reciprocal = 1.0f / ray.direction[axis];
-      origin_[axis] = ray.origin[axis];
-      to_near_[axis] = reciprocal * kShrink;
-      to_far_[axis] = reciprocal * kGrow;
-      const bool down = negative(ray.direction[axis]);
-      near_plane_[axis] = 2 * axis + (down ? 1 : 0);
-      octant_ |= (down ? 1 : 0) << axis;
-    }
+    const __m128 direction = load_direction(ray);
+    const __m128 reciprocal = _mm_div_ps(_mm_set1_ps(1.0f), direction);
+    _mm_store_ps(origin_, _mm_load_ps(ray.origin));
+    _mm_store_ps(to_near_, _mm_mul_ps(reciprocal, _mm_set1_ps(kShrink)));
+    _mm_store_ps(to_far_, _mm_mul_ps(reciprocal, _mm_set1_ps(kGrow)));
+    octant_ = _mm_movemask_ps(direction) & 7;
+    for (int axis = 0; axis < 3; ++axis)
+      near_plane_[axis] = static_cast<std::uint32_t>(2 * axis + (octant_ >> axis & 1)) * kPlaneBytes;
   }
 
   int octant() const { return octant_; }
@@ -59,13 +89,16 @@ class BoxTest {
 
  private:
   Vector plane(const Node<width>& node, int axis, int far) const {
-    return Vector::load(node.planes[near_plane_[axis] ^ far]) - Vector::splat(origin_[axis]);
+    const char* const planes = reinterpret_cast<const char*>(node.planes);
+    const std::uint32_t at = far != 0 ? near_plane_[axis] ^ kPlaneBytes : near_plane_[axis];
+    return Vector::load(reinterpret_cast<const float*>(planes + at)) - Vector::splat(origin_[axis]);
   }
+  static constexpr std::uint32_t kPlaneBytes = width * sizeof(float);
 
-  float origin_[3], to_near_[3], to_far_[3];
+  alignas(16) float origin_[4], to_near_[4], to_far_[4];  // the last of each is not used
   float t_min_;
-  int near_plane_[3];
-  int octant_ = 0;
+  std::uint32_t near_plane_[3];  ///< in bytes from the first
+  int octant_;
 };
 
 /// What is known of each position of a block, for the corners of its triangles, one a lane.
@@ -101,18 +134,11 @@ template <>
 class BlockTest<Intersector::watertight> {
  public:
   explicit BlockTest(const KernelRay& ray) : ray_(ray) {
-    const float x = __builtin_fabsf(ray.direction[0]);
-    const float y = __builtin_fabsf(ray.direction[1]);
-    const float z = __builtin_fabsf(ray.direction[2]);
-    kz_ = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    kx_ = kz_ == 2 ? 0 : kz_ + 1;
-    ky_ = kx_ == 2 ? 0 : kx_ + 1;
+    const AxisOrder& order = kAxisOrders.of[axis_order_index(load_direction(ray))];
+    kx_ = order.kx;
+    ky_ = order.ky;
+    kz_ = order.kz;
     direction_z_ = ray.direction[kz_];
-    if (direction_z_ < 0.0f) {
-      const int k = kx_;
-      kx_ = ky_;
-      ky_ = k;
-    }
     shear_x_ = ray.direction[kx_] / direction_z_;
     shear_y_ = ray.direction[ky_] / direction_z_;
     origin_x_ = ray.origin[kx_];
@@ -120,39 +146,54 @@ class BlockTest<Intersector::watertight> {
     origin_z_ = ray.origin[kz_];
   }
 
+  /// Of the last block in which lanes were found: by lane the edge functions, or t, beta and gamma; by position z and
+  /// max(|x|, |y|). Also the lanes where float does not decide whether they are hit, or how far away.
+  struct Found {
+    std::uint32_t unsure, imprecise;
+    alignas(64) float t[kBlockSize];
+    alignas(64) float u[kBlockSize];
+    alignas(64) float v[kBlockSize];
+    alignas(64) float w[kBlockSize];
+    alignas(64) float z[3 * kBlockSize];
+    alignas(64) float xy[3 * kBlockSize];
+  };
+
+  /// The lanes whose edge functions do not differ in sign, for decide_one().
+  template <class Block>
+  std::uint32_t find_inside(const Block& block, Found& out) const {
+    constexpr int vectors = Corners<Block>::vectors;
+    Float16 x[vectors], y[vectors], z[vectors], u, v, w;
+    const std::uint32_t found = inside(block, Corners<Block>(block), x, y, z, u, v, w);
+    u.store(out.u);
+    v.store(out.v);
+    w.store(out.w);
+    for (int i = 0; i < vectors; ++i) {
+      z[i].store(out.z + i * kBlockSize);
+      max(abs(x[i]), abs(y[i])).store(out.xy + i * kBlockSize);
+    }
+    return found;
+  }
+
   /// The lanes whose edge functions do not differ in sign.
   template <bool any_hit, class Block>
-  std::uint32_t find(const Block& block, [[maybe_unused]] float limit) {
+  std::uint32_t find(const Block& block, [[maybe_unused]] float limit, Found& out) const {
     constexpr int vectors = Corners<Block>::vectors;
     const Float16 zero = Float16::splat(0.0f);
-    Float16 x[vectors], y[vectors], z[vectors];
-    for (int i = 0; i < vectors; ++i) {
-      const int first = i * kBlockSize;
-      z[i] = Float16::load(block.position[kz_] + first) - Float16::splat(origin_z_);
-      x[i] =
-          Float16::load(block.position[kx_] + first) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z[i];
-      y[i] =
-          Float16::load(block.position[ky_] + first) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z[i];
-    }
     const Corners<Block> corner(block);
-    const Float16 ax = corner(0, x), bx = corner(1, x), cx = corner(2, x);
-    const Float16 ay = corner(0, y), by = corner(1, y), cy = corner(2, y);
-    const Float16 u = cx * by - cy * bx;
-    const Float16 v = ax * cy - ay * cx;
-    const Float16 w = bx * ay - by * ax;
+    Float16 x[vectors], y[vectors], z[vectors], u, v, w;
+    const std::uint32_t found = inside(block, corner, x, y, z, u, v, w);
+    if (found == 0) return 0;
     const Float16 smallest = min(w, min(v, u));
     const Float16 largest = max(w, max(v, u));
-    const std::uint32_t found = block.lanes & ~(less(smallest, zero) & less(zero, largest));
-    if (found == 0) return 0;
     Float16 xy[vectors];
     for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
     if constexpr (!kDividesAllLanes) {
-      u.store(u_);
-      v.store(v_);
-      w.store(w_);
+      u.store(out.u);
+      v.store(out.v);
+      w.store(out.w);
       for (int i = 0; i < vectors; ++i) {
-        z[i].store(z_ + i * kBlockSize);
-        xy[i].store(xy_ + i * kBlockSize);
+        z[i].store(out.z + i * kBlockSize);
+        xy[i].store(out.xy + i * kBlockSize);
       }
       return found;
     }
@@ -179,44 +220,50 @@ class BlockTest<Intersector::watertight> {
       decided |= less(margin, (Float16::splat(limit) - t) * depth) &
                  less(margin, (t - Float16::splat(ray_.t_min)) * depth);
     }
-    unsure_ = found & ~sure;
-    imprecise_ = found & ~decided;
-    t.store(t_);
-    beta.store(v_);
-    gamma.store(w_);
-    return unsure_ | imprecise_ |
+    out.unsure = found & ~sure;
+    out.imprecise = found & ~decided;
+    t.store(out.t);
+    beta.store(out.v);
+    gamma.store(out.w);
+    return out.unsure | out.imprecise |
            (found & less(Float16::splat(ray_.t_min), t) & less_equal(t, Float16::splat(limit)));
   }
 
   /// With any_hit the distance need not be right.
   template <bool any_hit, class Block>
-  bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
+  bool decide(const Block& block, const Found& found, int lane, float limit, KernelHit& hit) const {
     if constexpr (kDividesAllLanes) {
-      if ((unsure_ >> lane & 1u) != 0) [[unlikely]]
+      if ((found.unsure >> lane & 1u) != 0) [[unlikely]]
         return hit_triangle_again(block, lane, ray_, limit, hit);
-      hit = {t_[lane], v_[lane], w_[lane], block.first + static_cast<std::uint32_t>(lane)};
-      if ((imprecise_ >> lane & 1u) != 0) {
+      hit = {found.t[lane], found.v[lane], found.w[lane], block.first + static_cast<std::uint32_t>(lane)};
+      if ((found.imprecise >> lane & 1u) != 0) {
         hit.t = plane_distance(block, lane, ray_, hit.t);
         if (!(hit.t > ray_.t_min)) return false;
       }
       return hit.t <= limit;
     }
+    return decide_one<any_hit>(block, found, lane, limit, hit);
+  }
+
+  /// decide() after find_inside().
+  template <bool any_hit, class Block>
+  bool decide_one(const Block& block, const Found& found, int lane, float limit, KernelHit& hit) const {
     const int a = corner_of(block, 0, lane), b = corner_of(block, 1, lane), c = corner_of(block, 2, lane);
-    const float u = u_[lane], v = v_[lane], w = w_[lane];
+    const float u = found.u[lane], v = found.v[lane], w = found.w[lane];
     const float det = u + v + w;
     const float inv_det = 1.0f / det;
     const float beta = v * inv_det;
     const float gamma = w * inv_det;
-    const float ab = z_[b] - z_[a], ac = z_[c] - z_[a];
-    const float z = z_[a] + beta * ab + gamma * ac;
+    const float ab = found.z[b] - found.z[a], ac = found.z[c] - found.z[a];
+    const float z = found.z[a] + beta * ab + gamma * ac;
     float t = z / direction_z_;
     const float size = __builtin_fabsf(det);
     // False for not a number, too.
     const bool sure = (u != 0.0f) & (v != 0.0f) & (w != 0.0f) & (size > 0x1p-100f) & (size < 0x1p120f);
     if (!sure) [[unlikely]]
       return hit_triangle_again(block, lane, ray_, limit, hit);
-    const float xy_size = largest_of(xy_[a], xy_[b], xy_[c]);
-    const float z_size = largest_of(__builtin_fabsf(z_[a]), __builtin_fabsf(z_[b]), __builtin_fabsf(z_[c]));
+    const float xy_size = largest_of(found.xy[a], found.xy[b], found.xy[c]);
+    const float z_size = largest_of(__builtin_fabsf(found.z[a]), __builtin_fabsf(found.z[b]), __builtin_fabsf(found.z[c]));
     const float error = z_size * (larger_of(__builtin_fabsf(ab), __builtin_fabsf(ac)) * xy_size);
     const float depth = __builtin_fabsf(z) * size;
     if (!(error < (t < 0.0f ? kTrustedSignSlope : kTrustedSlope) * depth)) {
@@ -230,6 +277,26 @@ class BlockTest<Intersector::watertight> {
   }
 
  private:
+  template <class Block, int vectors>
+  std::uint32_t inside(const Block& block, const Corners<Block>& corner, Float16 (&x)[vectors], Float16 (&y)[vectors],
+                       Float16 (&z)[vectors], Float16& u, Float16& v, Float16& w) const {
+    for (int i = 0; i < vectors; ++i) {
+      const int first = i * kBlockSize;
+      z[i] = Float16::load(block.position[kz_] + first) - Float16::splat(origin_z_);
+      x[i] =
+          Float16::load(block.position[kx_] + first) - Float16::splat(origin_x_) - Float16::splat(shear_x_) * z[i];
+      y[i] =
+          Float16::load(block.position[ky_] + first) - Float16::splat(origin_y_) - Float16::splat(shear_y_) * z[i];
+    }
+    const Float16 ax = corner(0, x), bx = corner(1, x), cx = corner(2, x);
+    const Float16 ay = corner(0, y), by = corner(1, y), cy = corner(2, y);
+    u = cx * by - cy * bx;
+    v = ax * cy - ay * cx;
+    w = bx * ay - by * ax;
+    const Float16 zero = Float16::splat(0.0f);
+    return block.lanes & ~(less(min(w, min(v, u)), zero) & less(zero, max(w, max(v, u))));
+  }
+
   static float larger_of(float a, float b) { return a > b ? a : b; }
   static float largest_of(float a, float b, float c) { return larger_of(larger_of(a, b), c); }
 
@@ -237,15 +304,6 @@ class BlockTest<Intersector::watertight> {
   int kx_, ky_, kz_;
   float origin_x_, origin_y_, origin_z_;
   float shear_x_, shear_y_, direction_z_;
-  // Of the last block in which lanes were found, also those where float does not decide whether they are hit, or
-  // how far away. By lane the edge functions, or t, beta and gamma; by position z and max(|x|, |y|).
-  std::uint32_t unsure_, imprecise_;
-  alignas(64) float t_[kBlockSize];
-  alignas(64) float u_[kBlockSize];
-  alignas(64) float v_[kBlockSize];
-  alignas(64) float w_[kBlockSize];
-  alignas(64) float z_[3 * kBlockSize];
-  alignas(64) float xy_[3 * kBlockSize];
 };
 
 /// As intersect_moeller_trumbore does, operation by operation.
@@ -254,8 +312,14 @@ class BlockTest {
  public:
   explicit BlockTest(const KernelRay& ray) : ray_(ray) {}
 
+  struct Found {
+    alignas(64) float t[kBlockSize];
+    alignas(64) float u[kBlockSize];
+    alignas(64) float v[kBlockSize];
+  };
+
   template <bool any_hit, class Block>
-  std::uint32_t find(const Block& block, float limit) {
+  std::uint32_t find(const Block& block, float limit, Found& out) const {
     constexpr int vectors = Corners<Block>::vectors;
     constexpr float smallest_determinant = kind == Intersector::book ? kBookSmallestDeterminant : 0.0f;
     const Float16 zero = Float16::splat(0.0f), one = Float16::splat(1.0f);
@@ -283,16 +347,16 @@ class BlockTest {
                                 less_equal(u + v, one) & less(Float16::splat(ray_.t_min), t) &
                                 less_equal(t, Float16::splat(limit));
     if (found != 0) {
-      t.store(t_);
-      u.store(u_);
-      v.store(v_);
+      t.store(out.t);
+      u.store(out.u);
+      v.store(out.v);
     }
     return found;
   }
 
   template <bool any_hit, class Block>
-  bool decide(const Block& block, int lane, float limit, KernelHit& hit) const {
-    hit = {t_[lane], u_[lane], v_[lane], block.first + static_cast<std::uint32_t>(lane)};
+  bool decide(const Block& block, const Found& found, int lane, float limit, KernelHit& hit) const {
+    hit = {found.t[lane], found.u[lane], found.v[lane], block.first + static_cast<std::uint32_t>(lane)};
     return hit.t <= limit;
   }
 
@@ -307,9 +371,6 @@ class BlockTest {
   }
 
   const KernelRay& ray_;
-  alignas(64) float t_[kBlockSize];
-  alignas(64) float u_[kBlockSize];
-  alignas(64) float v_[kBlockSize];
 };
 
 }  // namespace

@@ -72,29 +72,47 @@ inline __m256i unpack_lanes(std::uint32_t packed) {
                            _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
 }
 
-/// Finds the lanes with near <= far. Gives the first of them in the order as `next`, and puts the others on the
-/// stack, the last one at the bottom; returns how many lanes there are, of which `next` is one.
-inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
-                        Ref* refs, Ref& next) {
-  const __m256i lane = unpack_lanes(*order);
+/// Puts the children with near <= far on the stack, the nearest on top. Returns which they are, by place in the order.
+inline std::uint32_t push_hits(Float8 near, Float8 far, const Ref* child, std::uint32_t order, float* distances,
+                               Ref* refs) {
+  const __m256i lane = unpack_lanes(order);
   const __m256 sorted_near = _mm256_permutevar8x32_ps(near.v, lane);
   const __m256 sorted_far = _mm256_permutevar8x32_ps(far.v, lane);
   const std::uint32_t hit = Float8::bits(_mm256_cmp_ps(sorted_near, sorted_far, _CMP_LE_OQ));
-  next = child[*order >> 4 * __builtin_ctz(hit | 0x80u) & 7u];
   const __m256i kept = unpack_lanes(kCompress.packed[hit]);
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_ps(distances, _mm256_permutevar8x32_ps(sorted_near, kept));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
                       _mm256_permutevar8x32_epi32(_mm256_permutevar8x32_epi32(all, lane), kept));
-  return __builtin_popcount(hit);
+  return hit;
 }
-/// The same without an order.
-inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& next) {
+/// The same without an order and distances; the first child is on top.
+inline std::uint32_t push_hits(Float8 near, Float8 far, const Ref* child, Ref* refs) {
   const std::uint32_t hit = Float8::bits(_mm256_cmp_ps(near.v, far.v, _CMP_LE_OQ));
-  next = child[__builtin_ctz(hit | 0x80u)];
   const __m256i all = _mm256_load_si256(reinterpret_cast<const __m256i*>(child));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
                       _mm256_permutevar8x32_epi32(all, unpack_lanes(kCompress.packed[hit])));
+  return hit;
+}
+
+/// How many children push_hits() puts on the stack.
+inline int push_all(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
+                    Ref* refs) {
+  return __builtin_popcount(push_hits(near, far, child, *order, distances, refs));
+}
+inline int push_all(Float8 near, Float8 far, const Ref* child, Ref* refs) {
+  return __builtin_popcount(push_hits(near, far, child, refs));
+}
+/// The same, and gives the one on top as `next`, if there is one.
+inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
+                        Ref* refs, Ref& next) {
+  const std::uint32_t hit = push_hits(near, far, child, *order, distances, refs);
+  next = child[*order >> 4 * __builtin_ctz(hit | 0x80u) & 7u];
+  return __builtin_popcount(hit);
+}
+inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& next) {
+  const std::uint32_t hit = push_hits(near, far, child, refs);
+  next = child[__builtin_ctz(hit | 0x80u)];
   return __builtin_popcount(hit);
 }
 

@@ -66,7 +66,26 @@ inline int push_ordered(Float8 near, Float8 far, const Ref* child, const std::ui
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_permutexvar_epi32(reversed, kept));
   return count;
 }
-/// The same without an order.
+/// Puts the children with near <= far on the stack, the nearest on top; returns how many there are.
+inline int push_all(Float8 near, Float8 far, const Ref* child, const std::uint32_t* order, float* distances,
+                    Ref* refs) {
+  const __m256i shifts = _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0);
+  const __m256i lane = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(*order)), shifts);
+  const __m256i all = _mm256_permutexvar_epi32(lane, _mm256_load_si256(reinterpret_cast<const __m256i*>(child)));
+  const __m256 sorted_near = _mm256_permutexvar_ps(lane, near.v);
+  const __mmask8 hit = _mm256_cmp_ps_mask(sorted_near, _mm256_permutexvar_ps(lane, far.v), _CMP_LE_OQ);
+  _mm256_storeu_ps(distances, _mm256_maskz_compress_ps(hit, sorted_near));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs), _mm256_maskz_compress_epi32(hit, all));
+  return __builtin_popcount(hit);
+}
+/// The same without an order and distances.
+inline int push_all(Float8 near, Float8 far, const Ref* child, Ref* refs) {
+  const __mmask8 hit = _mm256_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(refs),
+                      _mm256_maskz_compress_epi32(hit, _mm256_load_si256(reinterpret_cast<const __m256i*>(child))));
+  return __builtin_popcount(hit);
+}
+/// push_ordered() without an order.
 inline int push_any(Float8 near, Float8 far, const Ref* child, Ref* refs, Ref& next) {
   const __mmask8 hit = _mm256_cmp_ps_mask(near.v, far.v, _CMP_LE_OQ);
   const __m256i kept =

@@ -47,10 +47,9 @@ struct Lookup16 {
   }
 };
 
-/// Finds the lanes with near <= far. Gives the first of them in the order as `next`, and puts the others on the
-/// stack, the last one at the bottom; returns how many lanes there are, of which `next` is one.
-inline int push_ordered(const Float8& near, const Float8& far, const Ref* child, const std::uint32_t* order,
-                        float* distances, Ref* refs, Ref& next) {
+/// Puts the children with near <= far on the stack, the nearest on top; returns how many there are.
+inline int push_all(const Float8& near, const Float8& far, const Ref* child, const std::uint32_t* order,
+                    float* distances, Ref* refs) {
   const std::uint32_t hit = less_equal(near, far);
   alignas(16) float distance[8];
   near.store(distance);
@@ -61,14 +60,24 @@ inline int push_ordered(const Float8& near, const Float8& far, const Ref* child,
     refs[count] = child[lane];
     count += static_cast<int>(hit >> lane & 1u);
   }
-  if (count > 0) next = refs[count - 1];
   return count;
 }
-/// The same without an order.
-inline int push_any(const Float8& near, const Float8& far, const Ref* child, Ref* refs, Ref& next) {
+/// The same without an order and distances.
+inline int push_all(const Float8& near, const Float8& far, const Ref* child, Ref* refs) {
   std::uint32_t hit = less_equal(near, far);
   int count = 0;
   for (; hit != 0; hit &= hit - 1) refs[count++] = child[__builtin_ctz(hit)];
+  return count;
+}
+/// Both, and they give the one on top as `next`, if there is one.
+inline int push_ordered(const Float8& near, const Float8& far, const Ref* child, const std::uint32_t* order,
+                        float* distances, Ref* refs, Ref& next) {
+  const int count = push_all(near, far, child, order, distances, refs);
+  if (count > 0) next = refs[count - 1];
+  return count;
+}
+inline int push_any(const Float8& near, const Float8& far, const Ref* child, Ref* refs, Ref& next) {
+  const int count = push_all(near, far, child, refs);
   if (count > 0) next = refs[count - 1];
   return count;
 }

@@ -1,5 +1,5 @@
 #include "simd_avx512.hpp"
-#include "traverse_packet.hpp"
+#include "trace_group.hpp"
 
 namespace raylab::bvh {
 

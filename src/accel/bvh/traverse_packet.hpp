@@ -3,27 +3,30 @@
 // all of them. Included after simd_*.hpp, and as local to the including file.
 #include <type_traits>
 
+#include "flight.hpp"
 #include "packet_tests.hpp"
-#include "traverse.hpp"
 
 namespace raylab::bvh {
 namespace {
 
-/// Where no more rays of a packet than this go into a subtree, they go alone: a vector with few lanes in use
-/// costs as much as a full one (Benthin, Wald, Woop, Ernst and Mark 2012, "Combining Single and Packet-Ray
-/// Tracing").
-constexpr int kFewRays = kLanes / 2;
+/// Where no more rays of a packet than this go into a subtree, or to a block, it waits until they go alone: a vector
+/// with few lanes in use costs as much as a full one (Benthin, Wald, Woop, Ernst and Mark 2012, "Combining Single and
+/// Packet-Ray Tracing"). Measured on the primary and diffuse rays of cornell, the bunny and the dragon: since rays that
+/// have parted do not meet again, nodes are left early.
+constexpr int kFewAtNode = kLanes * 7 / 8;
+constexpr int kFewAtBlock = kLanes / 2;
 
-/// What the two packet traversals share.
-template <class NodeVector>
+/// A packet goes through the tree as long as its rays stay together.
+template <class NodeVector, bool any_hit>
 class Packet {
  public:
   static constexpr int width = NodeVector::lanes;
-  static constexpr Intersector kind = Intersector::watertight;
 
-  Packet(const TreeView& tree, const PacketRays& rays)
+  /// Rays of the lanes whose bits are set. What is left for them to visit alone is added to `waiting`.
+  Packet(const TreeView& tree, const RayArrays& rays, std::uint32_t lanes, Waiting* waiting)
       : tree_(tree),
         rays_(rays),
+        waiting_(waiting),
         origin_(WideVec3::load(rays.origin[0], rays.origin[1], rays.origin[2])),
         direction_(WideVec3::load(rays.direction[0], rays.direction[1], rays.direction[2])),
         t_min_(Wide::load(rays.t_min)),
@@ -34,31 +37,11 @@ class Packet {
     const WideVec3 size = abs(direction_);
     const Wide largest = greater(size.x, greater(size.y, size.z));
     const WideMask in_range = (largest <= Wide(kDirectionRange)) & (largest * Wide(kDirectionRange) >= Wide(1.0f));
-    left_out_ = WideMask::of(rays.lanes) & !in_range;
-    lanes_ = WideMask::of(rays.lanes) & in_range & (t_min_ < t_max);
+    left_out_ = WideMask::of(lanes) & !in_range;
+    lanes_ = WideMask::of(lanes) & in_range & (t_min_ < t_max);
   }
 
-  std::uint32_t intersect(PacketHits& hits) {
-    traverse<false>();
-    best_t_.store(hits.t);
-    best_u_.store(hits.u);
-    best_v_.store(hits.v);
-    for (int i = 0; i < kLanes; ++i) hits.place[i] = places_[i];
-    hits.turns = turns_;
-    return left_out_.bits();
-  }
-
-  std::uint32_t occluded(PacketHits& hits) {
-    traverse<true>();
-    for (int i = 0; i < kLanes; ++i) hits.place[i] = (done_.bits() >> i & 1u) != 0 ? 0 : kNoPrimitive;
-    hits.turns = turns_;
-    return left_out_.bits();
-  }
-
- private:
-  template <bool any_hit>
-  void traverse() {
-    for (std::uint32_t& place : places_) place = kNoPrimitive;
+  void run() {
     refs_[0] = tree_.root;
     masks_[0] = lanes_;
     nears_[0] = t_min_;
@@ -74,18 +57,44 @@ class Packet {
       --top;
       const std::uint32_t bits = active.bits();
       if (bits == 0) continue;
-      if (ref_kind(ref) != RefKind::sphere && __builtin_popcount(bits) <= kFewRays) {
-        in_turns<any_hit>(ref, bits);
+      if (__builtin_popcount(bits) <= few_at(ref_kind(ref)) && can_wait(bits)) {
+        nears_[top + 1].store(limits_);
+        for (std::uint32_t left = bits; left != 0; left &= left - 1) {
+          const int i = __builtin_ctz(left);
+          waiting_[i].add(ref, limits_[i]);
+        }
       } else if (ref_kind(ref) == RefKind::node) {
         top = push_children(at<Node<width>>(tree_, ref), active, top);
       } else if (ref_kind(ref) == RefKind::triangles) {
-        hit_block<any_hit>(at<SharedBlock>(tree_, ref), active);
+        hit_block(at<SharedBlock>(tree_, ref), active);
       } else if (ref_kind(ref) == RefKind::separate) {
-        hit_block<any_hit>(at<SeparateBlock>(tree_, ref), active);
+        hit_block(at<SeparateBlock>(tree_, ref), active);
       } else if (ref_kind(ref) == RefKind::sphere) {
-        hit_spheres<any_hit>(ref_index(ref), active);
+        hit_spheres(ref_index(ref), active);
       }
     }
+  }
+
+  /// Lanes whose directions are too long or too short, so that they were left out.
+  std::uint32_t left_out() const { return left_out_.bits(); }
+  /// Lanes that have hit something; only then they have a hit.
+  std::uint32_t done() const { return done_.bits(); }
+  /// Largest t that counts, or the best so far.
+  Wide limits() const { return best_t_; }
+  Wide u() const { return best_u_; }
+  Wide v() const { return best_v_; }
+  WideUInt places() const { return places_; }
+
+ private:
+  static int few_at(RefKind kind) {
+    if (kind == RefKind::node) return kFewAtNode;
+    return kind == RefKind::sphere ? 0 : kFewAtBlock;
+  }
+  bool can_wait(std::uint32_t lanes) const {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      if (waiting_[__builtin_ctz(lanes)].count == Waiting::kMost) return false;
+    }
+    return true;
   }
 
   /// The children that some ray may hit, the nearest for the first ray on top.
@@ -106,16 +115,23 @@ class Packet {
     return top;
   }
 
-  template <bool any_hit, class Block>
+  /// First, which rays pass inside the edges of which triangles, then how far away these are: of a block a ray passes
+  /// few triangles, and a triangle few rays, so that the second part would often be done for a lane or two, were it
+  /// done triangle by triangle. As it is each lane has room for two triangles of its own.
+  template <class Block>
   void hit_block(const Block& block, WideMask active) {
     constexpr bool shared = std::is_same_v<Block, SharedBlock>;
-    PacketTriangleTest::Vertex vertices[shared ? kBlockSize : 3];
+    using Vertex = PacketTriangleTest::Vertex;
+    Vertex vertices[shared ? kBlockSize : 3];
     const auto transform = [&](int i, int position) {
-      vertices[i] = triangle_test_.transform(block.position[0][position], block.position[1][position],
-                                             block.position[2][position]);
+      vertices[i] = triangle_test_.transform(WideVec3(Wide(block.position[0][position]),
+                                                      Wide(block.position[1][position]),
+                                                      Wide(block.position[2][position])));
     };
     const int count = __builtin_popcount(block.lanes);
     int transformed = 0;
+    WideUInt first(0u), second(0u);
+    WideMask has_first = WideMask::of(0), has_second = WideMask::of(0);
     for (int lane = 0; lane < count; ++lane) {
       int a = 0, b = 1, c = 2;
       if constexpr (shared) {
@@ -128,33 +144,49 @@ class Packet {
       } else {
         for (int k = 0; k < 3; ++k) transform(k, corner_of(block, k, lane));
       }
-      PacketTriangleTest::Found found;
-      if (!triangle_test_.find<any_hit>(active, vertices[a], vertices[b], vertices[c], t_min_, best_t_, found))
-        continue;
-      if (any(found.unsure)) {
-        best_t_.store(limits_);
-        for (std::uint32_t left = found.unsure.bits(); left != 0; left &= left - 1) {
-          const int i = __builtin_ctz(left);
-          KernelHit hit;
-          if (hit_triangle_again(block, lane, ray(i), limits_[i], hit)) take(i, hit);
-        }
-        best_t_ = Wide::load(limits_);
+      const WideMask inside = active & PacketTriangleTest::inside(vertices[a], vertices[b], vertices[c]);
+      if (!any(inside)) continue;
+      if (any(inside & has_second)) [[unlikely]] {
+        hit_triangles(block, has_first, first);
+        hit_triangles(block, has_second, second);
+        has_first = has_second = WideMask::of(0);
       }
-      if (any(found.imprecise)) {
-        double normal[3];
-        block_normal(block, lane, normal);
-        found.t = select(found.imprecise, triangle_test_.plane_distance(block, lane, normal, found.t), found.t);
-        found.hit = found.hit | (found.imprecise & (t_min_ < found.t) & (found.t <= best_t_));
-      }
-      accept<any_hit>(found.hit, found.t, found.beta, found.gamma, block.first + static_cast<std::uint32_t>(lane));
-      if constexpr (any_hit) {
-        active = active & !done_;
-        if (!any(active)) return;
-      }
+      const WideUInt triangle(static_cast<std::uint32_t>(lane));
+      const WideMask to_second = inside & has_first;
+      first = select(has_first, first, triangle);
+      second = select(to_second, triangle, second);
+      has_first = has_first | inside;
+      has_second = has_second | to_second;
     }
+    if (any(has_first)) hit_triangles(block, has_first, first);
+    if (any(has_second)) hit_triangles(block, has_second, second);
   }
 
-  template <bool any_hit>
+  /// A triangle of the block for each of the lanes, inside whose edges its ray passes.
+  template <class Block>
+  void hit_triangles(const Block& block, WideMask lanes, WideUInt triangle) {
+    if constexpr (any_hit) lanes = lanes & !done_;
+    const WideVec3 corner[3] = {corner_at(block, 0, triangle), corner_at(block, 1, triangle),
+                                corner_at(block, 2, triangle)};
+    PacketTriangleTest::Found found =
+        triangle_test_.find<any_hit>(lanes, triangle_test_.transform(corner[0]), triangle_test_.transform(corner[1]),
+                                     triangle_test_.transform(corner[2]), t_min_, best_t_);
+    if (any(found.unsure)) {
+      best_t_.store(limits_);
+      for (std::uint32_t left = found.unsure.bits(); left != 0; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        KernelHit hit;
+        if (hit_triangle_again(block, static_cast<int>(triangle.v[i]), ray(i), limits_[i], hit)) take(i, hit);
+      }
+      best_t_ = Wide::load(limits_);
+    }
+    if (any(found.imprecise)) {
+      found.t = select(found.imprecise, triangle_test_.plane_distance(corner, found.t), found.t);
+      found.hit = found.hit | (found.imprecise & (t_min_ < found.t) & (found.t <= best_t_));
+    }
+    accept(found.hit, found.t, found.beta, found.gamma, WideUInt(block.first) + triangle);
+  }
+
   void hit_spheres(std::uint32_t place, WideMask active) {
     float sphere[4];
     sphere_at(tree_.context, place, sphere);
@@ -162,27 +194,12 @@ class Packet {
     if (!any(active)) return;
     Wide t;
     const WideMask hit = active & sphere_distance(origin_, direction_, sphere, t_min_, best_t_, t);
-    accept<any_hit>(hit, t, Wide(0.0f), Wide(0.0f), place);
-  }
-
-  /// A subtree for the few rays that go there.
-  template <bool any_hit>
-  void in_turns(Ref ref, std::uint32_t lanes) {
-    static_assert(kFewRays <= kTurns);
-    int lane_of[kFewRays];
-    int count = 0;
-    for (; lanes != 0; lanes &= lanes - 1) lane_of[count++] = __builtin_ctz(lanes);
-    best_t_.store(limits_);
-    turns_ += answer_in_turns<NodeVector, any_hit>(
-        {tree_.lines, ref, tree_.ids, tree_.context}, count, [&](int i) { return ray(lane_of[i]); },
-        [&](int i, const KernelHit& hit) { take(lane_of[i], hit); });
-    best_t_ = Wide::load(limits_);
+    accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(place));
   }
 
   /// Makes the hits of some lanes, none of them farther than the best one, the best. Of equally near ones the
   /// smallest id wins.
-  template <bool any_hit>
-  void accept(WideMask lanes, Wide t, Wide u, Wide v, std::uint32_t place) {
+  void accept(WideMask lanes, Wide t, Wide u, Wide v, WideUInt place) {
     // After the scalar tests some may be farther than they were.
     lanes = lanes & (t <= best_t_);
     if constexpr (any_hit) {
@@ -192,33 +209,27 @@ class Packet {
     const WideMask equal = lanes & (t == best_t_) & done_;
     for (std::uint32_t left = equal.bits(); left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
-      if (!id_precedes(tree_.context, place, places_[i])) lanes = lanes & !WideMask::of(1u << i);
+      if (!id_precedes(tree_.context, place.v[i], places_.v[i])) lanes = lanes & !WideMask::of(1u << i);
     }
-    if (any(lanes)) __builtin_prefetch(tree_.ids + place);
     best_t_ = select(lanes, t, best_t_);
     best_u_ = select(lanes, u, best_u_);
     best_v_ = select(lanes, v, best_v_);
+    places_ = select(lanes, place, places_);
     done_ = done_ | lanes;
-    for (std::uint32_t left = lanes.bits(); left != 0; left &= left - 1) places_[__builtin_ctz(left)] = place;
   }
 
   /// The same for one lane; the caller keeps best_t_ in limits_ meanwhile.
   void take(int i, const KernelHit& hit) {
     const WideMask lane = WideMask::of(1u << i);
-    if (hit.t == limits_[i] && any(done_ & lane) && !id_precedes(tree_.context, hit.place, places_[i])) return;
+    if (hit.t == limits_[i] && any(done_ & lane) && !id_precedes(tree_.context, hit.place, places_.v[i])) return;
     limits_[i] = hit.t;
     best_u_ = select(lane, Wide(hit.u), best_u_);
     best_v_ = select(lane, Wide(hit.v), best_v_);
     done_ = done_ | lane;
-    places_[i] = hit.place;
+    places_.v[i] = hit.place;
   }
 
-  KernelRay ray(int i) const {
-    return {{rays_.origin[0][i], rays_.origin[1][i], rays_.origin[2][i]},
-            {rays_.direction[0][i], rays_.direction[1][i], rays_.direction[2][i]},
-            rays_.t_min[i],
-            limits_[i]};
-  }
+  KernelRay ray(int i) const { return ray_at(rays_, i, limits_[i]); }
 
   static int largest_of(int a, int b, int c) {
     const int ab = a > b ? a : b;
@@ -226,7 +237,8 @@ class Packet {
   }
 
   const TreeView& tree_;
-  const PacketRays& rays_;
+  const RayArrays& rays_;
+  Waiting* waiting_;
   WideVec3 origin_, direction_;
   Wide t_min_;
   PacketBoxTest box_test_;
@@ -235,43 +247,11 @@ class Packet {
   WideMask done_{};  ///< lanes that have hit something
   Wide best_t_, best_u_{}, best_v_{};
   alignas(64) float limits_[kLanes];
-  std::uint32_t places_[kLanes];
-  int turns_ = 0;
+  WideUInt places_{kNoPrimitive};
   Ref refs_[stack_size(width)];
   WideMask masks_[stack_size(width)];
   Wide nears_[stack_size(width)];
 };
-
-template <class NodeVector>
-std::uint32_t intersect_packet(const TreeView& tree, const PacketRays& rays, PacketHits& hits) noexcept {
-  return Packet<NodeVector>(tree, rays).intersect(hits);
-}
-template <class NodeVector>
-std::uint32_t occluded_packet(const TreeView& tree, const PacketRays& rays, PacketHits& hits) noexcept {
-  return Packet<NodeVector>(tree, rays).occluded(hits);
-}
-
-template <class NodeVector, bool any_hit>
-void trace_rays(const TreeView& tree, const KernelRay* rays, int count, KernelHit* hits) noexcept {
-  for (int i = 0; i < count; ++i) hits[i] = {0.0f, 0.0f, 0.0f, kNoPrimitive};
-  answer_in_turns<NodeVector, any_hit>(
-      tree, count, [&](int i) { return rays[i]; }, [&](int i, const KernelHit& hit) { hits[i] = hit; });
-}
-
-template <class NodeVector>
-constexpr Kernel make_kernel(const char* isa) {
-  return {isa,
-          NodeVector::lanes,
-          {intersect<NodeVector, Intersector::book>, intersect<NodeVector, Intersector::fast>,
-           intersect<NodeVector, Intersector::watertight>},
-          {occluded<NodeVector, Intersector::book>, occluded<NodeVector, Intersector::fast>,
-           occluded<NodeVector, Intersector::watertight>},
-          kLanes,
-          intersect_packet<NodeVector>,
-          occluded_packet<NodeVector>,
-          trace_rays<NodeVector, false>,
-          trace_rays<NodeVector, true>};
-}
 
 }  // namespace
 }  // namespace raylab::bvh

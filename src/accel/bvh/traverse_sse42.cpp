@@ -1,5 +1,5 @@
 #include "simd_sse42.hpp"
-#include "traverse_packet.hpp"
+#include "trace_group.hpp"
 
 namespace raylab::bvh {
 
