@@ -75,6 +75,21 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   if (powers.size() > triangles_.size() + spheres_.size()) {
     environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
   }
+  fill_table();
+}
+
+void Lights::fill_table() {
+  const auto varies = [](const TriangleEmitter& t) { return t.varies; };
+  if (cdf_.size() > LightTable::kMost || cdf_.size() != triangles_.size() || std::ranges::any_of(triangles_, varies))
+    return;
+  table_ = {};
+  table_.count = static_cast<int>(cdf_.size());
+  std::ranges::copy(cdf_, table_.cdf);
+  static_assert(offsetof(TriangleEmitter, radiance) == (LightTable::kColumns - 3) * sizeof(float));
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const float* const row = &triangles_[i].shape.p0.x;
+    for (std::size_t k = 0; k < LightTable::kColumns; ++k) table_.columns[k][i] = row[k];
+  }
 }
 
 void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::vector<double>& powers) {

@@ -132,13 +132,12 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   std::uint64_t taken = 0;
   PathBatch paths;
   paths.sampler = options_.sampler;
-  std::array<std::uint32_t, PathBatch::kMost> pixel_of;  // in the tile
+  std::array<int, PathBatch::kMost> x_of, y_of;  // in the tile
   BatchRadiance radiance;
   const auto trace = [&] {
     integrator_.trace(paths, radiance, stats.rays);
     for (std::size_t i = 0; i < paths.count; ++i) {
-      const int x = static_cast<int>(pixel_of[i]) % tile.width;
-      const int y = static_cast<int>(pixel_of[i]) / tile.width;
+      const int x = x_of[i], y = y_of[i];
       const Rgb sample(radiance[0][i], radiance[1][i], radiance[2][i]);
       if (usable(sample)) {
         gathered.add(x, y, sample);
@@ -157,7 +156,8 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
     const int y = tile.y + pixel / tile.width;
     const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
     for (std::uint32_t s = first; s < first + count; ++s) {
-      pixel_of[paths.count] = static_cast<std::uint32_t>(pixel);
+      x_of[paths.count] = x - tile.x;
+      y_of[paths.count] = y - tile.y;
       paths.add(x, y, seed, s);
       if (paths.count < PathBatch::kMost) continue;
       trace();

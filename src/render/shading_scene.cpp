@@ -10,12 +10,23 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
       needs(needs_),
       settings(settings_),
       lights(scene_, needs_),
-      sample_lights(settings_.kind == IntegratorKind::path && !lights.empty()) {
-  materials.reserve(scene.materials.size());
+      sample_lights(settings_.kind == IntegratorKind::path && !lights.empty()),
+      emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].shape.p0.x),
+      light_table(lights.table()) {
+  materials.reserve(scene.materials.size() + 1);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
     materials.push_back({static_cast<float>(m.kind), m.fuzz, m.index, lights.triangle_pdf_area(i), m.color.a,
                          m.color.kind != Texture::Kind::solid});
+  }
+  materials.push_back({kMissKind, 0.0f, 0.0f, 0.0f, Rgb(0.0f), false});
+  static_assert(sizeof(MaterialRow) == kMaterialColumns * sizeof(float));
+  material_rows = &materials[0].kind;
+  few_materials = materials.size() <= kMostLanes;
+  for (std::size_t i = 0; few_materials && i < materials.size(); ++i) {
+    const MaterialRow& m = materials[i];
+    const float row[] = {m.kind, m.fuzz, m.index, m.light_pdf_area, m.color.r, m.color.g, m.color.b};
+    for (std::size_t k = 0; k < std::size(row); ++k) material_columns[k][i] = row[k];
   }
 }
 
@@ -26,12 +37,11 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
   for (int i = 0; i < count; ++i) {
     const std::uint32_t id = hits.geometry[i];
     if (id == HitBatch::kNoHit) {
-      out.kind[i] = kMissKind;
+      out.material[i] = static_cast<std::uint32_t>(materials.size() - 1);
       continue;
     }
     const std::uint32_t primitive = hits.primitive[i];
     std::uint32_t material_id;
-    vec3 normal_sum(0.0f);
     if (needs.spheres && geometry.is_sphere(id)) {
       const Sphere& sphere = geometry.spheres[primitive];
       const float* const row = &sphere.center.x;
@@ -50,21 +60,15 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
         out.corner[3 + k][i] = p1[k];
         out.corner[6 + k][i] = p2[k];
       }
-      if (needs.shading_normals && !mesh.normals.empty()) {
-        normal_sum = interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
+      if (needs.shading_normals) {
+        const vec3 sum =
+            mesh.normals.empty() ? vec3(0.0f) : interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
+        for (int k = 0; k < 3; ++k) out.normal_sum[k][i] = (&sum.x)[k];
       }
       material_id = scene.mesh_materials[id].of(primitive);
     }
-    const MaterialRow& material = materials[material_id];
-    out.kind[i] = material.kind;
-    out.fuzz[i] = material.fuzz;
-    out.index[i] = material.index;
-    out.light_pdf_area[i] = material.light_pdf_area;
-    for (int k = 0; k < 3; ++k) {
-      out.color[k][i] = (&material.color.x)[k];
-      out.normal_sum[k][i] = (&normal_sum.x)[k];
-    }
-    out.varying |= static_cast<std::uint32_t>(material.varies) << i;
+    out.material[i] = material_id;
+    out.varying |= static_cast<std::uint32_t>(materials[material_id].varies) << i;
   }
 }
 

@@ -16,11 +16,8 @@ inline constexpr float kMissKind = 15.0f;
 struct SurfaceLanes {
   alignas(64) float corner[9][kMostLanes];  ///< x, y, z of the three corners; of spheres centre and radius
   alignas(64) float normal_sum[3][kMostLanes];  ///< see shading_normal(); 0 without one
-  alignas(64) float kind[kMostLanes];
-  alignas(64) float fuzz[kMostLanes];
-  alignas(64) float index[kMostLanes];
-  alignas(64) float color[3][kMostLanes];
-  alignas(64) float light_pdf_area[kMostLanes];
+  alignas(64) std::uint32_t material[kMostLanes];  ///< row of ShadingScene::materials
+  alignas(64) float color[3][kMostLanes];          ///< of lanes where it varies
   std::uint32_t spheres = 0;
   std::uint32_t varying = 0;  ///< colour to be looked up
 };
@@ -32,6 +29,9 @@ struct HitLanes {
   const std::uint32_t* geometry;
   const std::uint32_t* primitive;
 };
+
+/// Floats of a ShadingScene::MaterialRow.
+inline constexpr std::uint32_t kMaterialColumns = 8;
 
 /// Points or directions of the lanes: arrays of x, y and z.
 using VectorLanes = float[3][kMostLanes];
@@ -50,7 +50,7 @@ struct ShadingScene {
   /// Radiance from outside the scene for some lanes, and Lights::environment_pdf.
   void environment(std::uint32_t lanes, const VectorLanes& direction, VectorLanes& radiance, float* pdf) const;
 
-  /// What shading reads of a material, side by side.
+  /// What shading reads of a material. The last row is that of rays that have hit nothing.
   struct MaterialRow {
     float kind, fuzz, index;
     float light_pdf_area;  ///< Lights::triangle_pdf_area of triangles that emit, else 0
@@ -66,6 +66,12 @@ struct ShadingScene {
   Lights lights;
   bool sample_lights;
   std::vector<MaterialRow> materials;
+  // For the lanes of vectors: the same by rows, or of few materials by columns, and those of emitting triangles.
+  const float* material_rows;
+  bool few_materials;
+  alignas(64) float material_columns[kMaterialColumns][kMostLanes];
+  const float* emitters;
+  const LightTable& light_table;
 };
 
 extern const TraceKernel kTraceSse42;

@@ -160,15 +160,15 @@ class Wavefront {
   }
 
   /// Rays that have met an emitter, where their paths end.
-  void shade_lights(WideMask lanes, std::size_t first, const HitLanes& hits, const SurfaceLanes& surfaces,
+  void shade_lights(WideMask lanes, std::size_t first, const HitLanes& hits, Wide pdf_area,
                     const BasicSurfacePoint<Wide>& point, const WideVec3& throughput, const WideVec3& radiance) {
     Wide weight(1.0f);
     if (shading_.sample_lights) {
       const Wide scatter_pdf = Wide::load(paths_.scatter_pdf + first);
       const WideVec3 scatter_position = load3(paths_.scatter_position, first);
       const WideVec3 wi = load3(paths_.direction, first);
-      Wide pdf = triangle_pdf<Wide>(Wide::load(surfaces.light_pdf_area), scatter_position, point.position, point.ng, wi);
-      const WideMask spheres = lanes & WideMask::of(surfaces.spheres);
+      Wide pdf = triangle_pdf<Wide>(pdf_area, scatter_position, point.position, point.ng, wi);
+      const WideMask spheres = lanes & WideMask::of(surfaces_.spheres);
       if (any(spheres)) {
         VectorLanes p, position, direction;
         alignas(64) float sphere_pdf[kMostLanes];
@@ -189,23 +189,35 @@ class Wavefront {
                      WideMask bent, const MaterialLanes<Wide>& material, const WideVec3& color, const WideVec3& wo_local,
                      const WideVec3& throughput) {
     const WideVec2 u = sampler.get2(draws + kLightPoint);
-    alignas(64) float choice[kMostLanes], u_x[kMostLanes], u_y[kMostLanes];
-    VectorLanes p;
-    sampler.get1(draws + kLightChoice).store(choice);
-    u.x.store(u_x);
-    u.y.store(u_y);
-    store3(point.position, p);
-    shading_.lights.sample(lanes.bits(), choice, u_x, u_y, {p[0], p[1], p[2]}, light_);
-    const WideMask triangles = WideMask::of(light_.triangles);
+    const Wide choice = sampler.get1(draws + kLightChoice);
+    const LightTable& few = shading_.light_table;
+    WideMask triangles = lanes;
+    light_.infinite = 0;
+    if (few.count == 0) {
+      alignas(64) float choices[kMostLanes], u_x[kMostLanes], u_y[kMostLanes];
+      VectorLanes p;
+      choice.store(choices);
+      u.x.store(u_x);
+      u.y.store(u_y);
+      store3(point.position, p);
+      shading_.lights.sample(lanes.bits(), choices, u_x, u_y, {p[0], p[1], p[2]}, light_);
+      triangles = WideMask::of(light_.triangles);
+    }
     WideVec3 wi, target, radiance;
     Wide pdf;
     if (any(triangles)) {
-      constexpr std::uint32_t stride = sizeof(TriangleEmitter) / sizeof(float);
-      const WideUInt row = WideUInt::load(light_.emitter) * stride;
-      const float* const table = &shading_.lights.emitting_triangles().data()->shape.p0.x;
-      const auto column = [&](int k) { return gather(table + k, row, triangles); };
+      WideUInt chosen(0u);
+      const float* const table = shading_.emitters;
+      if (few.count != 0) {
+        for (int i = 0; i < few.count - 1; ++i)
+          chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
+      } else {
+        chosen = WideUInt::load(light_.emitter) * static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
+      }
+      const auto column = [&](int k) {
+        return few.count != 0 ? look_up16(few.columns[k], chosen) : gather(table + k, chosen, triangles);
+      };
       const auto column3 = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
-      static_assert(offsetof(TriangleEmitter, radiance) == 14 * sizeof(float));
       const EmittingTriangle<Wide> emitter{column3(0), column3(3), column3(6), column3(9), column(12), column(13)};
       radiance = column3(14);
       const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, point.position, u);
@@ -248,7 +260,12 @@ class Wavefront {
     const WideMask valid = first_lanes(count_ - first);
     const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
     shading_.fetch_surfaces(hits, __builtin_popcount(valid.bits()), surfaces_);
-    MaterialLanes<Wide> material{Wide::load(surfaces_.kind), Wide::load(surfaces_.fuzz), Wide::load(surfaces_.index)};
+    const WideUInt material_id = WideUInt::load(surfaces_.material);
+    const auto column = [&](int k) {
+      return shading_.few_materials ? look_up16(shading_.material_columns[k], material_id)
+                                    : gather(shading_.material_rows + k, material_id * kMaterialColumns, valid);
+    };
+    MaterialLanes<Wide> material{column(0), column(1), column(2)};
     WideVec3 throughput = load3(paths_.throughput, first);
     const WideMask missed = valid & (material.kind == Wide(kMissKind));
     if (any(missed)) shade_misses(missed, first, throughput);
@@ -276,9 +293,10 @@ class Wavefront {
       store3(point.ng, normal);
       shading_.look_up_colors(hits, position, normal, surfaces_);
     }
-    const WideVec3 color = load3(surfaces_.color);
+    WideVec3 color(column(4), column(5), column(6));
+    if (surfaces_.varying != 0) color = select(WideMask::of(surfaces_.varying), load3(surfaces_.color), color);
     const WideMask lights = hit & material.is(Material::Kind::diffuse_light);
-    if (any(lights)) shade_lights(lights, first, hits, surfaces_, point, throughput, color);
+    if (any(lights)) shade_lights(lights, first, hits, column(3), point, throughput, color);
     WideMask alive = hit & !lights;
     if (segment >= shading_.settings.max_depth || !any(alive)) return;
 

@@ -4,6 +4,8 @@
 // differently from its scalar namesake in lanes.hpp.
 #include <immintrin.h>
 
+#include <type_traits>
+
 #include "raylab/core/lanes.hpp"
 
 namespace raylab {
@@ -185,6 +187,30 @@ inline Wide with_sign_of(Wide size, Wide sign) {
                      (IntVector(sign.v) & static_cast<std::int32_t>(0x80000000u)));
 }
 inline Wide to_float(WideUInt x) { return __builtin_convertvector(IntVector(x.v), FloatVector); }
+
+/// As the function of the same name in random.hpp. The halves of each byte are looked up in a table of sixteen, and the
+/// bytes change places.
+inline WideUInt reverse_bits(WideUInt x) {
+#if defined(__AVX512F__)
+  const auto all = [](__m128i table) { return _mm512_broadcast_i32x4(table); };
+  const auto pick = [](__m512i table, __m512i index) { return _mm512_shuffle_epi8(table, index); };
+#elif defined(__AVX2__)
+  const auto all = [](__m128i table) { return _mm256_broadcastsi128_si256(table); };
+  const auto pick = [](__m256i table, __m256i index) { return _mm256_shuffle_epi8(table, index); };
+#else
+  const auto all = [](__m128i table) { return table; };
+  const auto pick = [](__m128i table, __m128i index) { return _mm_shuffle_epi8(table, index); };
+#endif
+  const auto swapped_bytes = all(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const auto to_high = all(_mm_setr_epi8(0x00, -0x80, 0x40, -0x40, 0x20, -0x60, 0x60, -0x20, 0x10, -0x70, 0x50, -0x30,
+                                         0x30, -0x50, 0x70, -0x10));
+  const auto to_low = all(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  using Bytes = decltype(swapped_bytes);
+  const auto bytes = [](UIntVector v) { return reinterpret_cast<std::remove_const_t<Bytes>>(v); };
+  const UIntVector high = reinterpret_cast<UIntVector>(pick(to_high, bytes(x.v & 0x0f0f0f0fu)));
+  const UIntVector low = reinterpret_cast<UIntVector>(pick(to_low, bytes(x.v >> 4 & 0x0f0f0f0fu)));
+  return reinterpret_cast<UIntVector>(pick(bytes(high | low), swapped_bytes));
+}
 
 /// Of a table, the numbers with these indices. Lanes that are not in the mask are 0 and read nothing.
 inline Wide gather(const float* table, WideUInt index, WideMask m) {

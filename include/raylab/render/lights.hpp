@@ -85,6 +85,16 @@ struct TriangleEmitter {
   bool varies;
 };
 
+/// All emitters of a scene that has few, if they are triangles of constant radiance, for lookup by lanes: one column for
+/// each number that sampling reads.
+struct LightTable {
+  static constexpr int kMost = 16;
+  static constexpr int kColumns = 17;  ///< EmittingTriangle<float> and the radiance
+  int count = 0;                       ///< 0: the scene is not of this kind
+  alignas(64) float cdf[kMost];        ///< as in Lights
+  alignas(64) float columns[kColumns][kMost];
+};
+
 /// Shadow rays end short of their target by more than the rounding of t; the rest is in the target's own offset.
 inline constexpr float kShadowEnd = 1.0f - 32.0f * kUnitRoundoff;
 
@@ -117,11 +127,13 @@ class Lights {
   float environment_pdf(const vec3& wi) const;
 
   std::span<const TriangleEmitter> emitting_triangles() const { return triangles_; }
+  const LightTable& table() const { return table_; }
 
   std::size_t bytes() const;
 
  private:
   void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
+  void fill_table();
   std::size_t choose(float select) const;
   LightSample sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const;
   LightSample sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
@@ -137,6 +149,7 @@ class Lights {
   double inv_total_power_ = 0.0;
   float environment_probability_ = 0.0f;
   EnvironmentSampler environment_;
+  LightTable table_;
 };
 
 }  // namespace raylab

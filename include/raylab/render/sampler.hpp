@@ -35,7 +35,11 @@ class BasicSampler {
   using UInt = UIntOf<F>;
 
   BasicSampler(SamplerKind kind, const UInt& seed_low, const UInt& seed_high, const UInt& sample)
-      : kind_(kind), seed_low_(seed_low), seed_high_(seed_high), sample_(sample) {}
+      : kind_(kind),
+        seed_low_(seed_low),
+        seed_high_(seed_high),
+        sample_(sample),
+        reversed_sample_(reverse_bits(sample)) {}
 
   /// Number of dimension d. Dimensions number the one- and two-dimensional draws of a sample alike.
   F get1(std::uint32_t d) const {
@@ -69,11 +73,11 @@ class BasicSampler {
   /// The sample index in Owen-scrambled order: dimensions padded side by side must not visit their points in the
   /// same order, or they would be correlated (pbrt-v4 §8.6.5).
   UInt shuffled_index(const Seeds& h) const {
-    return reverse_bits(owen_scramble_reversed(reverse_bits(sample_), h.second));
+    return reverse_bits(owen_scramble_reversed(reversed_sample_, h.second));
   }
 
   SamplerKind kind_;
-  UInt seed_low_, seed_high_, sample_;
+  UInt seed_low_, seed_high_, sample_, reversed_sample_;
 };
 
 class Sampler : public BasicSampler<float> {
