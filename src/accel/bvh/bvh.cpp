@@ -88,17 +88,19 @@ class Bvh final : public Accelerator {
 
   void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
     if (!traces_groups_) return Accelerator::intersect_batch(rays, hits);
+    static constexpr PrimitiveId no_hit{HitBatch::kNoHit, 0};
     for_groups(rays, kernel_.intersect_group, [&](std::size_t i, const GroupHits& found, int k) {
       const std::uint32_t place = found.place[k];
-      hits.geometry[i] = HitBatch::kNoHit;
       if (place == kLeftOut) [[unlikely]]
         return hits.set(i, intersect(rays.ray(i)));
-      if (place == kNoPrimitive) return;
+      // Written whether hit or not: cheaper than a wrong guess.
+      const bool hit = place != kNoPrimitive;
+      const PrimitiveId& id = *(hit ? &tree_.ids[place] : &no_hit);
       hits.t[i] = found.t[k];
       hits.u[i] = found.u[k];
       hits.v[i] = found.v[k];
-      hits.geometry[i] = tree_.ids[place].geometry;
-      hits.primitive[i] = tree_.ids[place].primitive;
+      hits.geometry[i] = id.geometry;
+      hits.primitive[i] = id.primitive;
     });
   }
 

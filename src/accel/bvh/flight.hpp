@@ -3,6 +3,7 @@
 #include <new>
 #include <type_traits>
 
+#include "packet_tests.hpp"
 #include "traverse.hpp"
 
 namespace raylab::bvh {
@@ -102,12 +103,12 @@ class alignas(64) Flight {
     go_on(tree);
   }
 
-  /// Of triangles, in three steps: the lanes inside whose edges the ray passes, ...
+  /// Of triangles: the lanes inside whose edges the ray passes, ...
   template <class Block>
   std::uint32_t find_inside(const TreeView& tree, Found& inside) const {
     return block_test_.find_inside(at<Block>(tree, ref_), inside);
   }
-  /// ... which of those it hits, if there are any, ...
+  /// ... and which of those it hits.
   template <class Block>
   void decide(const TreeView& tree, const Found& inside, std::uint32_t found) {
     const Block& block = at<Block>(tree, ref_);
@@ -118,23 +119,15 @@ class alignas(64) Flight {
       take(hit, tree, best_, limit_);
     }
   }
-  /// ... and on to the next visit.
-  void leave_block(const TreeView& tree) { go_on(tree); }
-
-  void visit_sphere(const TreeView& tree) {
-    float t;
-    const std::uint32_t place = ref_index(ref_);
-    if (hit_sphere<kind>(tree.context, place, ray_, limit_, t)) {
-      if (any_hit) {
-        end(place);
-      } else {
-        take({t, 0.0f, 0.0f, place}, tree, best_, limit_);
-      }
-    }
-    go_on(tree);
+  const KernelRay& ray() const { return ray_; }
+  float limit() const { return limit_; }
+  /// Place of the sphere it visits.
+  std::uint32_t place() const { return ref_index(ref_); }
+  void take_sphere(const TreeView& tree, float t) {
+    if (any_hit) return end(place());
+    take({t, 0.0f, 0.0f, place()}, tree, best_, limit_);
   }
-
- private:
+  /// From a block or a sphere to what is next.
   void go_on(const TreeView& tree) {
     if constexpr (!any_hit) {
       while (distances_[top_] > limit_) --top_;
@@ -142,6 +135,8 @@ class alignas(64) Flight {
     ref_ = refs_[top_--];
     prefetch(tree, ref_);
   }
+
+ private:
   /// Nothing more to be visited.
   void end(std::uint32_t place) {
     best_.place = place;
@@ -170,105 +165,158 @@ class alignas(64) Flight {
   Deep& deep_;
 };
 
-/// Queries side by side.
+/// Rays that are on their ways at one time.
 constexpr int kFlights = 32;
 
-/// Takes `count` rays to the end of their ways, kFlights of them side by side: start(i, slot) makes a Flight of one, or
-/// returns false where nothing waits for it, and end(i, flight) is given what has ended.
+/// Takes `count` rays to the end of their ways, kFlights of them side by side: start(i, room, stack, deep) makes a Flight
+/// of one in that room, or returns false where nothing waits for it, and end(i, hit) is given what it has come to.
 ///
 /// A ray alone mostly waits: for memory in a large tree, for one operation to follow the other, and where the
 /// processor has guessed wrong whether a node or a block comes next, or whether a block holds a hit. So the rays are
 /// sorted by what comes next for each: all visits to nodes, then all visits to blocks, then all distances.
 template <class NodeVector, bool any_hit, class Start, class End>
-[[gnu::always_inline]] inline void fly(const TreeView& tree, int count, const Start& start_flight,
-                                       const End& end_flight) {
+class Fleet {
+ public:
+  Fleet(const TreeView& tree, int count, const Start& start, const End& end)
+      : tree_(tree), count_(count), start_(start), end_(end) {
+    for (int kind = 0; kind < kKinds; ++kind) begins_[kind] = ends_[kind] = lists_[0][kind];
+  }
+
+  void run() {
+    int flying = 0;
+    while (flying < kFlights && start_next(flying)) ++flying;
+    while (flying != 0) {
+      visit_nodes(take_list(RefKind::node));
+      visit_blocks<SharedBlock>(take_list(RefKind::triangles));
+      visit_blocks<SeparateBlock>(take_list(RefKind::separate));
+      visit_spheres(take_list(RefKind::sphere));
+      for (const std::uint8_t slot : take_list(RefKind::end)) {
+        end_(ray_of_[slot], flight(slot).best());
+        if (!start_next(slot)) --flying;
+      }
+    }
+  }
+
+ private:
   using OneRay = Flight<NodeVector, any_hit>;
   static_assert(std::is_trivially_destructible_v<OneRay>);
   struct Slot {
     alignas(OneRay) unsigned char flight[sizeof(OneRay)];
     FlightStack stack;
   };
-  Slot slots[kFlights];
-  typename OneRay::Deep deep[kFlights];
-  int ray_of[kFlights];
-  const auto flight = [&](int s) -> OneRay& { return *std::launder(reinterpret_cast<OneRay*>(slots[s].flight)); };
-  // By what they visit next the slots of the rays, twice: while one list is gone through, the other fills.
-  constexpr int kinds = static_cast<int>(RefKind::end) + 1;
-  std::uint8_t lists[2][kinds][kFlights];
-  std::uint8_t* begins[kinds];
-  std::uint8_t* ends[kinds];
-  for (int kind = 0; kind < kinds; ++kind) begins[kind] = ends[kind] = lists[0][kind];
-  const auto put = [&](int s) { *ends[static_cast<int>(flight(s).next())]++ = static_cast<std::uint8_t>(s); };
-  struct Visits {
-    const std::uint8_t* slots;
-    int count;
+  /// Slots of rays that visit the same kind of thing.
+  struct List {
+    const std::uint8_t* first;
+    const std::uint8_t* last;
+
+    const std::uint8_t* begin() const { return first; }
+    const std::uint8_t* end() const { return last; }
+    int size() const { return static_cast<int>(last - first); }
   };
-  const auto take_list = [&](RefKind of) {
-    const int kind = static_cast<int>(of);
-    const Visits visits{begins[kind], static_cast<int>(ends[kind] - begins[kind])};
-    begins[kind] = ends[kind] = lists[begins[kind] == lists[0][kind] ? 1 : 0][kind];
-    return visits;
-  };
-  int next = 0;
-  const auto start = [&](int s) {
-    while (next < count) {
-      const int i = next++;
-      if (!start_flight(i, slots[s].flight, slots[s].stack, deep[s])) continue;
-      ray_of[s] = i;
-      put(s);
+
+  OneRay& flight(int slot) { return *std::launder(reinterpret_cast<OneRay*>(slots_[slot].flight)); }
+
+  bool start_next(int slot) {
+    while (next_ < count_) {
+      const int i = next_++;
+      if (!start_(i, slots_[slot].flight, slots_[slot].stack, deep_[slot])) continue;
+      ray_of_[slot] = i;
+      put(slot);
       return true;
     }
     return false;
-  };
-  int flying = 0;
-  while (flying < kFlights && start(flying)) ++flying;
-  using Found = typename OneRay::Found;
-  Found inside[kFlights];
-  std::uint32_t lanes[kFlights];
-  std::uint8_t met[kFlights];
-  const auto visit_blocks = [&](RefKind kind, const auto& find, const auto& decide) {
-    const Visits visits = take_list(kind);
-    int met_count = 0;
-    for (int i = 0; i < visits.count; ++i) {
-      const int s = visits.slots[i];
-      lanes[met_count] = find(flight(s), inside[met_count]);
-      met[met_count] = static_cast<std::uint8_t>(s);
-      met_count += lanes[met_count] != 0;
-    }
-    for (int i = 0; i < met_count; ++i) decide(flight(met[i]), inside[i], lanes[i]);
-    for (int i = 0; i < visits.count; ++i) {
-      const int s = visits.slots[i];
-      flight(s).leave_block(tree);
-      put(s);
-    }
-  };
-  const auto visit_each = [&](RefKind kind, const auto& visit) {
-    const Visits visits = take_list(kind);
-    for (int i = 0; i < visits.count; ++i) {
-      const int s = visits.slots[i];
-      visit(flight(s));
-      put(s);
-    }
-  };
-  while (flying != 0) {
-    visit_each(RefKind::node, [&](OneRay& f) { f.visit_node(tree); });
-    visit_blocks(
-        RefKind::triangles,
-        [&](OneRay& f, Found& in) { return f.template find_inside<SharedBlock>(tree, in); },
-        [&](OneRay& f, const Found& in, std::uint32_t found) { f.template decide<SharedBlock>(tree, in, found); });
-    visit_blocks(
-        RefKind::separate,
-        [&](OneRay& f, Found& in) { return f.template find_inside<SeparateBlock>(tree, in); },
-        [&](OneRay& f, const Found& in, std::uint32_t found) { f.template decide<SeparateBlock>(tree, in, found); });
-    visit_each(RefKind::sphere, [&](OneRay& f) { f.visit_sphere(tree); });
-    const Visits ended = take_list(RefKind::end);
-    for (int i = 0; i < ended.count; ++i) {
-      const int s = ended.slots[i];
-      end_flight(ray_of[s], flight(s).best());
-      if (!start(s)) --flying;
+  }
+
+  /// Into the list of what it visits next.
+  void put(int slot) { *ends_[static_cast<int>(flight(slot).next())]++ = static_cast<std::uint8_t>(slot); }
+
+  /// There are two lists for each kind: while one is gone through, the other fills.
+  List take_list(RefKind of) {
+    const int kind = static_cast<int>(of);
+    const List list{begins_[kind], ends_[kind]};
+    begins_[kind] = ends_[kind] = lists_[begins_[kind] == lists_[0][kind] ? 1 : 0][kind];
+    return list;
+  }
+
+  [[gnu::always_inline]] void visit_nodes(const List& list) {
+    for (const std::uint8_t slot : list) {
+      flight(slot).visit_node(tree_);
+      put(slot);
     }
   }
-}
+
+  template <class Block>
+  [[gnu::always_inline]] void visit_blocks(const List& list) {
+    int met = 0;
+    for (const std::uint8_t slot : list) {
+      found_[met] = flight(slot).template find_inside<Block>(tree_, inside_[met]);
+      met_[met] = slot;
+      met += found_[met] != 0;
+    }
+    for (int i = 0; i < met; ++i) flight(met_[i]).template decide<Block>(tree_, inside_[i], found_[i]);
+    leave(list);
+  }
+
+  /// One in each lane of a vector.
+  [[gnu::always_inline]] void visit_spheres(const List& list) {
+    for (int first = 0; first < list.size(); first += kLanes) {
+      const int count = list.size() - first < kLanes ? list.size() - first : kLanes;
+      alignas(64) float rays[8][kLanes], spheres[4][kLanes];
+      for (int i = 0; i < count; ++i) {
+        const OneRay& one = flight(list.first[first + i]);
+        const KernelRay& ray = one.ray();
+        for (int k = 0; k < 3; ++k) {
+          rays[k][i] = ray.origin[k];
+          rays[3 + k][i] = ray.direction[k];
+        }
+        rays[6][i] = ray.t_min;
+        rays[7][i] = one.limit();
+        float sphere[4];
+        sphere_at(tree_.context, one.place(), sphere);
+        for (int k = 0; k < 4; ++k) spheres[k][i] = sphere[k];
+      }
+      const WideDouble sphere[4] = {WideDouble(Wide::load(spheres[0])), WideDouble(Wide::load(spheres[1])),
+                                    WideDouble(Wide::load(spheres[2])), WideDouble(Wide::load(spheres[3]))};
+      Wide t;
+      const WideMask hit = first_lanes(static_cast<std::size_t>(count)) &
+                           sphere_distance(WideVec3::load(rays[0], rays[1], rays[2]),
+                                           WideVec3::load(rays[3], rays[4], rays[5]), sphere, Wide::load(rays[6]),
+                                           Wide::load(rays[7]), t);
+      alignas(64) float distances[kLanes];
+      t.store(distances);
+      for (std::uint32_t left = hit.bits(); left != 0; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        flight(list.first[first + i]).take_sphere(tree_, distances[i]);
+      }
+    }
+    leave(list);
+  }
+
+  void leave(const List& list) {
+    for (const std::uint8_t slot : list) {
+      flight(slot).go_on(tree_);
+      put(slot);
+    }
+  }
+
+  static constexpr int kKinds = static_cast<int>(RefKind::end) + 1;
+
+  const TreeView& tree_;
+  const int count_;
+  const Start& start_;
+  const End& end_;
+  int next_ = 0;
+  std::uint8_t* begins_[kKinds];  ///< of the lists that fill
+  std::uint8_t* ends_[kKinds];
+  std::uint8_t lists_[2][kKinds][kFlights];
+  int ray_of_[kFlights];
+  // Of the blocks inside some of whose triangles' edges a ray passes: whose ray, which lanes, and what is known of them.
+  std::uint8_t met_[kFlights];
+  std::uint32_t found_[kFlights];
+  typename OneRay::Found inside_[kFlights];
+  Slot slots_[kFlights];
+  typename OneRay::Deep deep_[kFlights];
+};
 
 }  // namespace
 }  // namespace raylab::bvh

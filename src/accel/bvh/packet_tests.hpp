@@ -196,13 +196,15 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
 }
 
 /// intersect_sphere() operation by operation: the nearest t with t_min < t <= limit, in the lanes it gives.
-inline WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const float (&sphere)[4],
-                                Wide t_min, Wide limit, Wide& t) {
+/// Number is double where it is one sphere for all lanes, or else WideDouble.
+template <class Number>
+WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const Number (&sphere)[4], Wide t_min,
+                         Wide limit, Wide& t) {
   const WideDouble dx(direction.x), dy(direction.y), dz(direction.z);
   const WideDouble ox = WideDouble(origin.x) - sphere[0];
   const WideDouble oy = WideDouble(origin.y) - sphere[1];
   const WideDouble oz = WideDouble(origin.z) - sphere[2];
-  const double radius = sphere[3];
+  const Number& radius = sphere[3];
   const WideDouble a = dx * dx + dy * dy + dz * dz;
   const WideDouble b = -(ox * dx + oy * dy + oz * dz);
   const WideDouble mx = oy * dz - dy * oz, my = oz * dx - dz * ox, mz = ox * dy - dx * oy;

@@ -54,21 +54,20 @@ void trace_group(const TreeView& tree, const RayArrays& rays, int count, GroupHi
     for (std::uint32_t left = packet.left_out(); left != 0; left &= left - 1)
       hits.place[first + __builtin_ctz(left)] = kLeftOut;
   }
-  fly<NodeVector, any_hit>(
-      tree, count,
-      [&](int i, unsigned char* room, FlightStack& stack, typename OneRay::Deep& deep) {
-        if (waiting[i].count == 0) return false;
-        const bool has_hit = !any_hit && hits.place[i] != kNoPrimitive;
-        const KernelHit best{has_hit ? hits.t[i] : -1.0f, hits.u[i], hits.v[i], hits.place[i]};
-        new (room) OneRay(tree, ray_at(rays, static_cast<std::size_t>(i), hits.t[i]), best, waiting[i], stack, deep);
-        return true;
-      },
-      [&](int i, const KernelHit& hit) {
-        hits.t[i] = hit.t;
-        hits.u[i] = hit.u;
-        hits.v[i] = hit.v;
-        hits.place[i] = hit.place;
-      });
+  const auto start = [&](int i, unsigned char* room, FlightStack& stack, typename OneRay::Deep& deep) {
+    if (waiting[i].count == 0) return false;
+    const bool has_hit = !any_hit && hits.place[i] != kNoPrimitive;
+    const KernelHit best{has_hit ? hits.t[i] : -1.0f, hits.u[i], hits.v[i], hits.place[i]};
+    new (room) OneRay(tree, ray_at(rays, static_cast<std::size_t>(i), hits.t[i]), best, waiting[i], stack, deep);
+    return true;
+  };
+  const auto end = [&](int i, const KernelHit& hit) {
+    hits.t[i] = hit.t;
+    hits.u[i] = hit.u;
+    hits.v[i] = hit.v;
+    hits.place[i] = hit.place;
+  };
+  Fleet<NodeVector, any_hit, decltype(start), decltype(end)>(tree, count, start, end).run();
 }
 
 template <class NodeVector>

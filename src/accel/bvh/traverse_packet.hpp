@@ -193,7 +193,8 @@ class Packet {
     active = active & may_hit_sphere(origin_, direction_, sphere);
     if (!any(active)) return;
     Wide t;
-    const WideMask hit = active & sphere_distance(origin_, direction_, sphere, t_min_, best_t_, t);
+    const double exact[4] = {sphere[0], sphere[1], sphere[2], sphere[3]};
+    const WideMask hit = active & sphere_distance(origin_, direction_, exact, t_min_, best_t_, t);
     accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(place));
   }
 
