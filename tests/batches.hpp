@@ -19,9 +19,7 @@ inline void check_batches(const Accelerator& accelerator, std::vector<Ray> rays)
     if (i % 3 == 2) rays[i].t_min = i % 2 == 0 ? hit->t : next_float_down(hit->t);
   }
   const RayArrays arrays(rays);
-  std::size_t first = 0;
-  for (std::size_t size = 1; first < rays.size(); size = size % 50 + 1) {
-    const std::size_t count = std::min(size, rays.size() - first);
+  const auto check = [&](std::size_t first, std::size_t count) {
     HitArrays hits(count);
     std::vector<std::uint8_t> occluded(count, 7);
     accelerator.intersect_batch(arrays.batch(first, count), hits.batch());
@@ -33,8 +31,14 @@ inline void check_batches(const Accelerator& accelerator, std::vector<Ray> rays)
       REQUIRE(accelerator.occluded(rays[first + i]) == single.has_value());
       REQUIRE(occluded[i] == (single ? 1 : 0));
     }
+  };
+  std::size_t first = 0;
+  for (std::size_t size = 1; first < rays.size(); size = size % 50 + 1) {
+    const std::size_t count = std::min(size, rays.size() - first);
+    check(first, count);
     first += count;
   }
+  check(0, rays.size());
 }
 
 }  // namespace raylab::test

@@ -79,6 +79,27 @@ std::vector<Ray> rays_in_planes(const TriangleMesh& mesh, std::uint32_t triangle
   return rays;
 }
 
+/// A triangle across the column of that number, at height z.
+void add_across(TriangleMesh& mesh, int column, float z) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  const float x = 4.0f * static_cast<float>(column);
+  mesh.positions.insert(mesh.positions.end(), {{x - 1.0f, -1.0f, z}, {x + 3.0f, -1.0f, z}, {x - 1.0f, 3.0f, z}});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+/// Up and down this number of columns in turns, through all that is across them.
+std::vector<Ray> rays_along_columns(std::size_t columns, float height, std::size_t count) {
+  UniformFloats random(4);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool up = i / columns % 2 == 0;
+    const vec3 origin(4.0f * static_cast<float>(i % columns), random(-0.4f, 0.4f), up ? -1.0f : height + 1.0f);
+    rays.push_back({origin, {random(-1e-4f, 1e-4f), 0.0f, up ? 1.0f : -1.0f}});
+    rays.back().t_min = random(0.0f, 0.5f * height);
+  }
+  return rays;
+}
+
 }  // namespace
 
 TEST_CASE("bvh gives the hits of list, bit for bit, with every instruction set and intersector", "[agreement]") {
@@ -91,6 +112,27 @@ TEST_CASE("bvh gives the hits of list, bit for bit, with every instruction set a
                        sphere_soup(200, 1.0f, 0.2f, 3)};
   check_equal_hits("mixed", mixed, random_rays(mixed.bounds(), 3000, 3));
   check_equal_hits("mixed", mixed, awkward_rays(mixed.bounds(), 1000));
+}
+
+TEST_CASE("batches of bvh get through trees that keep many nodes waiting", "[agreement]") {
+  // All boxes of one column are met by all of its rays: as many siblings wait as the tree is deep.
+  Geometry column{{TriangleMesh{}}, {}};
+  for (int i = 0; i < 40000; ++i) add_across(column.meshes[0], 0, static_cast<float>(i));
+  // What a packet meets together holds many parts that half of its rays meet.
+  Geometry alternating{{TriangleMesh{}}, {}};
+  for (int i = 0; i < 1280; ++i) {
+    const int cluster = i / 20;
+    add_across(alternating.meshes[0], cluster % 2, 100.0f * static_cast<float>(cluster) + static_cast<float>(i % 20));
+  }
+  const FlushDenormals flush;
+  for (const auto& bvh : for_every_isa(column, Intersector::watertight)) {
+    INFO("column, " << bvh->build_report().isa);
+    check_batches(*bvh, rays_along_columns(2, 40000.0f, 600));  // the second column is empty
+  }
+  for (const auto& bvh : for_every_isa(alternating, Intersector::watertight)) {
+    INFO("alternating, " << bvh->build_report().isa);
+    check_batches(*bvh, rays_along_columns(2, 6400.0f, 600));
+  }
 }
 
 TEST_CASE("bvh gives the same hits with every instruction set to rays in the planes of triangles", "[agreement]") {
