@@ -121,7 +121,7 @@ class Bvh final : public Accelerator {
     GroupHits hits;
     for (std::size_t first = 0; first < rays.count; first += kGroup) {
       const int count = static_cast<int>(std::min<std::size_t>(kGroup, rays.count - first));
-      const RayArrays group{
+      const RayColumns group{
           {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
           {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
           rays.t_min + first,

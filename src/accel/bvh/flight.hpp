@@ -1,5 +1,5 @@
 #pragma once
-// Many rays side by side, each on its own way; as local to the including file as ray_tests.hpp.
+// Many rays side by side, each on its own way; as local to the including file as box_test.hpp.
 #include <new>
 #include <type_traits>
 
@@ -23,7 +23,7 @@ struct Waiting {
 };
 
 /// The ray at a place in arrays, with this limit.
-inline KernelRay ray_at(const RayArrays& rays, std::size_t i, float limit) {
+inline KernelRay ray_at(const RayColumns& rays, std::size_t i, float limit) {
   KernelRay ray;
   _mm_store_ps(ray.origin, _mm_setr_ps(rays.origin[0][i], rays.origin[1][i], rays.origin[2][i], rays.t_min[i]));
   _mm_store_ps(ray.direction,

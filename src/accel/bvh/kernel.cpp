@@ -64,20 +64,10 @@ float plane_distance(const Block& block, int lane, const KernelRay& ray, float o
                                            triangle_of(block, lane), otherwise);
 }
 
-template <class Block>
-void block_normal(const Block& block, int lane, double (&normal)[3]) noexcept {
-  const dvec3 n = detail::triangle_normal(triangle_of(block, lane));
-  normal[0] = n.x;
-  normal[1] = n.y;
-  normal[2] = n.z;
-}
-
 template bool hit_triangle_again(const SharedBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
 template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
 template float plane_distance(const SharedBlock&, int, const KernelRay&, float) noexcept;
 template float plane_distance(const SeparateBlock&, int, const KernelRay&, float) noexcept;
-template void block_normal(const SharedBlock&, int, double (&)[3]) noexcept;
-template void block_normal(const SeparateBlock&, int, double (&)[3]) noexcept;
 
 void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept {
   const Sphere& s = as_context(context).geometry->spheres[as_context(context).ids[place].primitive];

@@ -25,7 +25,7 @@ struct KernelHit {
 };
 
 /// Rays side by side.
-struct RayArrays {
+struct RayColumns {
   const float* origin[3];
   const float* direction[3];
   const float* t_min;
@@ -78,16 +78,11 @@ template <class Block>
 float plane_distance(const Block& block, int lane, const KernelRay& ray, float otherwise) noexcept;
 /// Centre and radius of the sphere at a place.
 void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept;
-/// Normal of the triangle in a lane of a block, as triangle_normal() computes it.
-template <class Block>
-void block_normal(const Block& block, int lane, double (&normal)[3]) noexcept;
 
 extern template bool hit_triangle_again(const SharedBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
 extern template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
 extern template float plane_distance(const SharedBlock&, int, const KernelRay&, float) noexcept;
 extern template float plane_distance(const SeparateBlock&, int, const KernelRay&, float) noexcept;
-extern template void block_normal(const SharedBlock&, int, double (&)[3]) noexcept;
-extern template void block_normal(const SeparateBlock&, int, double (&)[3]) noexcept;
 /// Whether the primitive at place a has the smaller id.
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept;
 
@@ -98,8 +93,8 @@ struct Kernel {
   KernelHit (*intersect[3])(const TreeView&, const KernelRay&) noexcept;  ///< by Intersector
   bool (*occluded[3])(const TreeView&, const KernelRay&) noexcept;
   /// Up to kGroup rays, by the watertight test. Those with kLeftOut for a place have no answer.
-  void (*intersect_group)(const TreeView&, const RayArrays&, int count, GroupHits&) noexcept;
-  void (*occluded_group)(const TreeView&, const RayArrays&, int count, GroupHits&) noexcept;
+  void (*intersect_group)(const TreeView&, const RayColumns&, int count, GroupHits&) noexcept;
+  void (*occluded_group)(const TreeView&, const RayColumns&, int count, GroupHits&) noexcept;
 };
 
 extern const Kernel kKernelSse42;

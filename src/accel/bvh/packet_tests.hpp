@@ -1,7 +1,7 @@
 #pragma once
 // Several rays, one in each lane of a vector, against one box, triangle or sphere. Lane by lane the operations on
 // triangles are those of BlockTest, so the hits are the same bit for bit. Local to the including file.
-#include "ray_tests.hpp"
+#include "block_test.hpp"
 #include "raylab/core/wide.hpp"
 
 namespace raylab::bvh {

@@ -10,8 +10,8 @@ struct Padded {
   alignas(64) float values[8][kLanes];
 };
 /// Rays from `first` on, as whole vectors.
-inline RayArrays packet_of(const RayArrays& rays, int first, int count, Padded& padded) {
-  RayArrays packet{{rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
+inline RayColumns packet_of(const RayColumns& rays, int first, int count, Padded& padded) {
+  RayColumns packet{{rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
                    {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
                    rays.t_min + first,
                    rays.t_max + first};
@@ -31,13 +31,13 @@ inline RayArrays packet_of(const RayArrays& rays, int first, int count, Padded& 
 
 /// Answers up to kGroup rays: in packets as long as those of a packet stay together, then alone.
 template <class NodeVector, bool any_hit>
-void trace_group(const TreeView& tree, const RayArrays& rays, int count, GroupHits& hits) noexcept {
+void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupHits& hits) noexcept {
   using OneRay = Flight<NodeVector, any_hit>;
   Waiting waiting[kGroup];
   for (int first = 0; first < count; first += kLanes) {
     const int lanes = count - first < kLanes ? count - first : kLanes;
     Padded padded;
-    const RayArrays packet_rays = packet_of(rays, first, lanes, padded);
+    const RayColumns packet_rays = packet_of(rays, first, lanes, padded);
     Packet<NodeVector, any_hit> packet(tree, packet_rays, (1u << lanes) - 1u, waiting + first);
     packet.run();
     packet.limits().store(hits.t + first);

@@ -1,7 +1,7 @@
 #pragma once
-// The traversal by one ray; as local to the including file as ray_tests.hpp. Its loop is written out three times,
+// The traversal by one ray; as local to the including file as box_test.hpp. Its loop is written out three times,
 // for the nearest hit, for any hit, and in flight.hpp: as one template it was measured to be 3 to 6% slower.
-#include "ray_tests.hpp"
+#include "block_test.hpp"
 
 namespace raylab::bvh {
 namespace {

@@ -23,7 +23,7 @@ class Packet {
   static constexpr int width = NodeVector::lanes;
 
   /// Rays of the lanes whose bits are set. What is left for them to visit alone is added to `waiting`.
-  Packet(const TreeView& tree, const RayArrays& rays, std::uint32_t lanes, Waiting* waiting)
+  Packet(const TreeView& tree, const RayColumns& rays, std::uint32_t lanes, Waiting* waiting)
       : tree_(tree),
         rays_(rays),
         waiting_(waiting),
@@ -238,7 +238,7 @@ class Packet {
   }
 
   const TreeView& tree_;
-  const RayArrays& rays_;
+  const RayColumns& rays_;
   Waiting* waiting_;
   WideVec3 origin_, direction_;
   Wide t_min_;

@@ -1,17 +1,11 @@
 #pragma once
-// One ray against the boxes of a node, and against the triangles of a block, over whatever vectors the including
-// file has chosen (simd_*.hpp). All of it is local to that file, and calls no inline function of a shared header:
-// see layout.hpp. No sum of products is contracted and the order of operations is the same for all instruction
-// sets, so all give the same hits, bit for bit.
-#include <immintrin.h>
-
-#include "kernel.hpp"
+// One ray against the triangles of a block; as local to the including file as box_test.hpp. No sum of products is
+// contracted and the order of operations is the same for all instruction sets, so all give the same hits, bit for bit.
+#include "box_test.hpp"
 
 namespace raylab::bvh {
 namespace {
 
-constexpr float kGrow = 1.0f + 0x1p-20f;
-constexpr float kShrink = 1.0f - 0x1p-20f;
 using detail::kDoubtfulFacing;
 using detail::kTrustedSignSlope;
 using detail::kTrustedSlope;
@@ -22,9 +16,6 @@ constexpr float kBookSmallestDeterminant = 1e-8f;
 /// is, t need not be computed again. Below kSmallestError the slope's own rounding would count.
 constexpr float kRoughError = 0x1p-18f;
 constexpr float kSmallestError = 0x1p-100f;
-
-/// x, y and z, and in the last lane something else.
-inline __m128 load_direction(const KernelRay& ray) { return _mm_load_ps(ray.direction); }
 
 /// The axes in the order in which intersect_watertight takes them: z along the largest component of the direction, x
 /// and y swapped where that is negative. From a table, as it is a guess to a processor that branches.
@@ -53,53 +44,6 @@ inline int axis_order_index(__m128 direction) {
                                    _mm_shuffle_ps(size, size, _MM_SHUFFLE(3, 2, 2, 1)));
   return (_mm_movemask_ps(over) & 7) | (_mm_movemask_ps(direction) & 7) << 3;
 }
-
-/// The slab test of a ray against all children of a node. A child is hit unless the ray certainly misses it: the
-/// near planes are taken a little nearer and the far planes a little farther than computed (Ize 2013, JCGT 2:2;
-/// the factors also cover the rounding of the triangle test). A direction of 0 has an infinite reciprocal; where
-/// that gives NaN, the origin is in the plane; then max and min drop that bound, or another of the same side too.
-template <class Vector>
-class BoxTest {
- public:
-  static constexpr int width = Vector::lanes;
-
-  explicit BoxTest(const KernelRay& ray) : t_min_(ray.t_min) {
-    const __m128 direction = load_direction(ray);
-    const __m128 reciprocal = _mm_div_ps(_mm_set1_ps(1.0f), direction);
-    _mm_store_ps(origin_, _mm_load_ps(ray.origin));
-    _mm_store_ps(to_near_, _mm_mul_ps(reciprocal, _mm_set1_ps(kShrink)));
-    _mm_store_ps(to_far_, _mm_mul_ps(reciprocal, _mm_set1_ps(kGrow)));
-    octant_ = _mm_movemask_ps(direction) & 7;
-    for (int axis = 0; axis < 3; ++axis)
-      near_plane_[axis] = static_cast<std::uint32_t>(2 * axis + (octant_ >> axis & 1)) * kPlaneBytes;
-  }
-
-  int octant() const { return octant_; }
-
-  void operator()(const Node<width>& node, Vector limit, Vector& near, Vector& far) const {
-    const Vector x = plane(node, 0, 0) * Vector::splat(to_near_[0]);
-    const Vector y = plane(node, 1, 0) * Vector::splat(to_near_[1]);
-    const Vector z = plane(node, 2, 0) * Vector::splat(to_near_[2]);
-    const Vector far_x = plane(node, 0, 1) * Vector::splat(to_far_[0]);
-    const Vector far_y = plane(node, 1, 1) * Vector::splat(to_far_[1]);
-    const Vector far_z = plane(node, 2, 1) * Vector::splat(to_far_[2]);
-    near = max(max(x, y), max(z, Vector::splat(t_min_)));
-    far = min(min(far_x, far_y), min(far_z, limit));
-  }
-
- private:
-  Vector plane(const Node<width>& node, int axis, int far) const {
-    const char* const planes = reinterpret_cast<const char*>(node.planes);
-    const std::uint32_t at = far != 0 ? near_plane_[axis] ^ kPlaneBytes : near_plane_[axis];
-    return Vector::load(reinterpret_cast<const float*>(planes + at)) - Vector::splat(origin_[axis]);
-  }
-  static constexpr std::uint32_t kPlaneBytes = width * sizeof(float);
-
-  alignas(16) float origin_[4], to_near_[4], to_far_[4];  // the last of each is not used
-  float t_min_;
-  std::uint32_t near_plane_[3];  ///< in bytes from the first
-  int octant_;
-};
 
 /// What is known of each position of a block, for the corners of its triangles, one a lane.
 template <class Block>
@@ -164,13 +108,7 @@ class BlockTest<Intersector::watertight> {
     constexpr int vectors = Corners<Block>::vectors;
     Float16 x[vectors], y[vectors], z[vectors], u, v, w;
     const std::uint32_t found = inside(block, Corners<Block>(block), x, y, z, u, v, w);
-    u.store(out.u);
-    v.store(out.v);
-    w.store(out.w);
-    for (int i = 0; i < vectors; ++i) {
-      z[i].store(out.z + i * kBlockSize);
-      max(abs(x[i]), abs(y[i])).store(out.xy + i * kBlockSize);
-    }
+    keep(x, y, z, u, v, w, out);
     return found;
   }
 
@@ -183,20 +121,14 @@ class BlockTest<Intersector::watertight> {
     Float16 x[vectors], y[vectors], z[vectors], u, v, w;
     const std::uint32_t found = inside(block, corner, x, y, z, u, v, w);
     if (found == 0) return 0;
+    if constexpr (!kDividesAllLanes) {
+      keep(x, y, z, u, v, w, out);
+      return found;
+    }
     const Float16 smallest = min(w, min(v, u));
     const Float16 largest = max(w, max(v, u));
     Float16 xy[vectors];
     for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
-    if constexpr (!kDividesAllLanes) {
-      u.store(out.u);
-      v.store(out.v);
-      w.store(out.w);
-      for (int i = 0; i < vectors; ++i) {
-        z[i].store(out.z + i * kBlockSize);
-        xy[i].store(out.xy + i * kBlockSize);
-      }
-      return found;
-    }
     const Float16 det = u + v + w;
     const Float16 az = corner(0, z), bz = corner(1, z), cz = corner(2, z);
     const Float16 inv_det = Float16::splat(1.0f) / det;
@@ -295,6 +227,19 @@ class BlockTest<Intersector::watertight> {
     w = bx * ay - by * ax;
     const Float16 zero = Float16::splat(0.0f);
     return block.lanes & ~(less(min(w, min(v, u)), zero) & less(zero, max(w, max(v, u))));
+  }
+
+  /// What decide_one() reads.
+  template <int vectors>
+  static void keep(const Float16 (&x)[vectors], const Float16 (&y)[vectors], const Float16 (&z)[vectors], Float16 u,
+                   Float16 v, Float16 w, Found& out) {
+    u.store(out.u);
+    v.store(out.v);
+    w.store(out.w);
+    for (int i = 0; i < vectors; ++i) {
+      z[i].store(out.z + i * kBlockSize);
+      max(abs(x[i]), abs(y[i])).store(out.xy + i * kBlockSize);
+    }
   }
 
   static float larger_of(float a, float b) { return a > b ? a : b; }
