@@ -153,6 +153,8 @@ TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {
   REQUIRE(run.exit_code == 0);
   const Results results = read_results(folder.path());
   CHECK(rows_where(results, "threads", 1).size() == 2);
+  for (const Row& row : rows_where(results, "threads", 1))
+    CHECK(row["mrays_per_second_batch"]["median"].get<double>() > 0.0);
   for (const Row& row : results.rows) CHECK(row["rays_checked"] == 50);
 }
 

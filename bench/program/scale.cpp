@@ -8,6 +8,7 @@
 #include "judged.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
+#include "raylab/measure/batch_queries.hpp"
 #include "raylab/measure/ray_timing.hpp"
 #include "raylab/measure/scale_families.hpp"
 #include "suite.hpp"
@@ -65,12 +66,13 @@ Row speeds_of(std::size_t rays, const std::vector<double>& seconds) {
 }
 
 void add_row(Suite& suite, const Subject& subject, const Built& built, int threads, const QueryTimes& times,
-             const Judgement& judgement) {
+             const QueryTimes* batch_times, const Judgement& judgement) {
   Row row{{"suite", "scale"}, {"scene", subject.family}, {"threads", threads}};
   add_fields(row, built.variant, subject.made.geometry, built);
   const std::size_t rays = subject.made.rays.size();
   row["mrays_per_second"] = speeds_of(rays, times.cpu.empty() ? times.wall : times.cpu);
   row["mrays_per_second_wall"] = speeds_of(rays, times.wall);
+  if (batch_times != nullptr) row["mrays_per_second_batch"] = speeds_of(rays, batch_times->cpu);
   row["rays_timed"] = subject.made.rays.size();
   add_fields(row, judgement);
   suite.add(
@@ -116,9 +118,14 @@ int scale(const ScaleOptions& options) {
         const Turns turns{options.repeats};
         const auto times = threads == 1 ? time_queries(accelerators, made.rays, Query::intersect, turns, stopped)
                                         : time_on_threads(accelerators, made.rays, threads, turns, stopped);
+        std::vector<QueryTimes> batch_times;
+        if (threads == 1)
+          batch_times = time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, turns, stopped);
         const auto judgements = judge(accelerators, set, options.checked, suite);
-        for (std::size_t i = 0; i < built.size(); ++i)
-          add_row(suite, subject, built[i], threads, times[i], judgements[i]);
+        for (std::size_t i = 0; i < built.size(); ++i) {
+          add_row(suite, subject, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr,
+                  judgements[i]);
+        }
       }
       suite.advance(static_cast<double>(size));
     }

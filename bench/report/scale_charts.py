@@ -7,8 +7,10 @@ import style
 METRICS = [
     ("build, seconds, one thread", lambda row: row["build_seconds"]),
     ("bytes per triangle", lambda row: row["bytes"] / row["triangles"]),
-    ("million rays per second, one thread", lambda row: row["mrays_per_second"]["median"]),
+    ("million rays per second, singly", lambda row: row["mrays_per_second"]["median"]),
+    ("million rays per second, in batches", lambda row: row["mrays_per_second_batch"]["median"]),
 ]
+SPEEDS = (2, 3)
 
 
 def plain(x, _=None):
@@ -17,7 +19,7 @@ def plain(x, _=None):
 
 def growth(results, rows):
     families = list(dict.fromkeys(row["scene"] for row in rows))
-    figure, axes = style.panels(len(families) * len(METRICS), len(METRICS), width=4.0, height=2.7)
+    figure, axes = style.panels(len(families) * len(METRICS), len(METRICS), width=3.6, height=2.7)
     for i, family in enumerate(families):
         for j, (label, metric) in enumerate(METRICS):
             axis = axes[i * len(METRICS) + j]
@@ -29,7 +31,7 @@ def growth(results, rows):
                           markersize=4, color=style.color(points[0]["accel"]), label=name)
                 # A ring around what was wrong: speed alone would praise it.
                 wrong = [(row["triangles"], metric(row)) for row in points if row["wrong"] > 0]
-                if wrong and j == len(METRICS) - 1:
+                if wrong and j in SPEEDS:
                     axis.plot(*zip(*wrong), marker="o", markersize=11, markerfacecolor="none", color="#CC0000",
                               linestyle="none", label="some answers were wrong")
             axis.set_xscale("log")

@@ -57,7 +57,9 @@ class Bvh final : public Accelerator {
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
     context_.ids = tree_.ids.data();
-    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), &context_};
+    const bool has_blocks =
+        std::ranges::any_of(geometry.meshes, [](const TriangleMesh& mesh) { return !mesh.triangles.empty(); });
+    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), &context_, has_blocks};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.primitives;

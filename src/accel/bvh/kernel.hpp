@@ -57,6 +57,7 @@ struct TreeView {
   Ref root;
   const PrimitiveId* ids;  ///< by place; what a hit is turned into afterwards
   const void* context;     ///< a Context, for the functions below
+  bool has_blocks;         ///< whether there are triangles
 };
 
 /// What the traversal leaves to the code that all instruction sets share.
