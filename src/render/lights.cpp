@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "raylab/core/frame.hpp"
 #include "raylab/scene/surface_point.hpp"

@@ -1,5 +1,7 @@
 #include "shading_scene.hpp"
 
+#include <iterator>
+
 namespace raylab {
 
 ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Accelerator& accelerator_,
