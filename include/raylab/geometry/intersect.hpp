@@ -180,8 +180,8 @@ inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray,
   return detail::watertight_hit(ray, tri, a, b, c, v, w, det, t_min, t_max);
 }
 
-/// The nearer and the farther distance at which the line of the ray meets the sphere, in units of its
-/// direction, nearer first; nothing where it passes by. Stable where the quadratic formula cancels: a distant or
+/// The nearer and the farther distance at which the line of the ray meets the sphere, in units of its direction;
+/// nothing where it passes by. Where they are equal but for rounding either may be the smaller. Stable where the quadratic formula cancels: a distant or
 /// large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems, ch. 7). In double, since squares of
 /// tiny radii, of long and of short directions leave the range of float; it costs little.
 inline std::optional<std::pair<float, float>> sphere_roots(const Ray& ray, const Sphere& sphere) {
@@ -198,7 +198,7 @@ inline std::optional<std::pair<float, float>> sphere_roots(const Ray& ray, const
   if (q == 0.0) return std::pair(0.0f, 0.0f);
   const auto t0 = static_cast<float>((glm::dot(oc, oc) - radius * radius) / q);
   const auto t1 = static_cast<float>(q / a);
-  return t0 < t1 ? std::pair(t0, t1) : std::pair(t1, t0);
+  return q > 0.0 ? std::pair(t0, t1) : std::pair(t1, t0);
 }
 
 /// The book's sphere test, kept for comparison: the quadratic formula in floats, which cancels where the sphere
@@ -222,8 +222,8 @@ inline std::optional<float> intersect_sphere_book(const Ray& ray, const Sphere& 
 inline std::optional<float> intersect_sphere(const Ray& ray, const Sphere& sphere, float t_min, float t_max) {
   const auto roots = sphere_roots(ray, sphere);
   if (!roots) return std::nullopt;
-  if (roots->first > t_min && roots->first < t_max) return roots->first;
-  if (roots->second > t_min && roots->second < t_max) return roots->second;
+  const float t = roots->first > t_min ? roots->first : roots->second;
+  if (t > t_min && t < t_max) return t;
   return std::nullopt;
 }
 

@@ -47,6 +47,7 @@ struct alignas(64) SharedBlock {
   alignas(16) std::uint8_t corner[3][kBlockSize];
   std::uint32_t first;  ///< place of lane 0 in the order of the tree; the lanes follow, their ids ascending
   std::uint32_t lanes;  ///< bit i set: lane i is a triangle
+  std::uint32_t vertices;  ///< how many there are
 };
 
 /// A leaf: triangles that share few vertices or none. Those of lane i are i, kBlockSize + i and 2 kBlockSize + i.

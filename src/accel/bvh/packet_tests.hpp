@@ -195,7 +195,8 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
   return !(passes | leaves);
 }
 
-/// intersect_sphere() operation by operation: the nearest t with t_min < t <= limit, in the lanes it gives.
+/// intersect_sphere() operation by operation, but for the second of two divisions, which is seldom wanted: the nearest
+/// t with t_min < t <= limit, in the lanes it gives. t_min is not negative.
 /// Number is double where it is one sphere for all lanes, or else WideDouble.
 template <class Number>
 WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const Number (&sphere)[4], Wide t_min,
@@ -210,15 +211,13 @@ WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, cons
   const WideDouble mx = oy * dz - dy * oz, my = oz * dx - dz * ox, mz = ox * dy - dx * oy;
   const WideDouble discriminant = WideDouble(radius * radius) * a - (mx * mx + my * my + mz * mz);
   const WideDouble q = b + flipped_with(square_root(discriminant), b);
-  const Wide t0 = ((ox * ox + oy * oy + oz * oz - radius * radius) / q).to_float();
-  const Wide t1 = (q / a).to_float();
   const WideMask meets = !(discriminant < WideDouble(0.0));
-  const Wide nearer = select(t0 < t1, t0, t1);
-  const Wide farther = select(t0 < t1, t1, t0);
-  const WideMask first = (t_min < nearer) & (nearer <= limit);
-  t = select(first, nearer, farther);
-  // Where q is 0 both roots are, and are not numbers here: no hit, since t_min is not negative.
-  return meets & (first | ((t_min < farther) & (farther <= limit)));
+  t = ((ox * ox + oy * oy + oz * oz - radius * radius) / q).to_float();
+  // That is the nearer one if q is positive, or else the farther one, and the other is behind the origin. Where q is 0
+  // both are, and t is no number or infinite.
+  const WideMask starts_inside = meets & (WideDouble(0.0) < q) & !(t_min < t);
+  if (any(starts_inside)) t = select(starts_inside, (q / a).to_float(), t);
+  return meets & (t_min < t) & (t <= limit);
 }
 
 }  // namespace

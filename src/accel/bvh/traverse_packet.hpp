@@ -102,17 +102,14 @@ class Packet {
   /// The children that some ray may hit, the nearest for the first ray on top.
   int push_children(const Node<width>& node, WideMask active, int top) {
     const std::uint32_t order = node.order[box_test_.octant(__builtin_ctz(active.bits()))][0];
-    for (int i = width - 1; i >= 0; --i) {
-      const int child = static_cast<int>(order >> (4 * i) & 15u);
-      const Ref ref = node.child[child];
-      if (ref_kind(ref) == RefKind::end) continue;
-      Wide near;
-      const WideMask hit = active & box_test_(node, child, t_min_, best_t_, near);
-      if (!any(hit)) continue;
-      ++top;
-      refs_[top] = ref;
-      masks_[top] = hit;
-      nears_[top] = near;
+    const auto child = [&](int i) { return order >> (4 * i) & 15u; };
+    int i = width - 1;
+    while (ref_kind(node.child[child(i)]) == RefKind::end) --i;  // unused lanes are last
+    for (; i >= 0; --i) {
+      const WideMask hit = active & box_test_(node, static_cast<int>(child(i)), t_min_, best_t_, nears_[top + 1]);
+      refs_[top + 1] = node.child[child(i)];
+      masks_[top + 1] = hit;
+      top += any(hit) ? 1 : 0;  // without a branch: whether a box is hit is a coin toss to the processor
     }
     return top;
   }
@@ -130,30 +127,38 @@ class Packet {
                                                       Wide(block.position[1][position]),
                                                       Wide(block.position[2][position])));
     };
+    // Without branches: whether some ray passes a triangle is a coin toss to the processor.
     const int count = __builtin_popcount(block.lanes);
-    int transformed = 0;
-    WideUInt first(0u), second(0u);
-    WideMask has_first = WideMask::of(0), has_second = WideMask::of(0);
+    WideMask passed[kBlockSize];
+    std::uint32_t passed_lane[kBlockSize];
+    int passed_count = 0;
+    if constexpr (shared) {
+      for (int i = 0; i < static_cast<int>(block.vertices); ++i) transform(i, i);
+    }
     for (int lane = 0; lane < count; ++lane) {
       int a = 0, b = 1, c = 2;
       if constexpr (shared) {
         a = corner_of(block, 0, lane);
         b = corner_of(block, 1, lane);
         c = corner_of(block, 2, lane);
-        // Vertices are numbered in the order in which the triangles name them.
-        for (const int last = largest_of(a, b, c); transformed <= last; ++transformed)
-          transform(transformed, transformed);
       } else {
         for (int k = 0; k < 3; ++k) transform(k, corner_of(block, k, lane));
       }
       const WideMask inside = active & PacketTriangleTest::inside(vertices[a], vertices[b], vertices[c]);
-      if (!any(inside)) continue;
+      passed[passed_count] = inside;
+      passed_lane[passed_count] = static_cast<std::uint32_t>(lane);
+      passed_count += any(inside) ? 1 : 0;
+    }
+    WideUInt first(0u), second(0u);
+    WideMask has_first = WideMask::of(0), has_second = WideMask::of(0);
+    for (int i = 0; i < passed_count; ++i) {
+      const WideMask inside = passed[i];
       if (any(inside & has_second)) [[unlikely]] {
         hit_triangles(block, has_first, first);
         hit_triangles(block, has_second, second);
         has_first = has_second = WideMask::of(0);
       }
-      const WideUInt triangle(static_cast<std::uint32_t>(lane));
+      const WideUInt triangle(passed_lane[i]);
       const WideMask to_second = inside & has_first;
       first = select(has_first, first, triangle);
       second = select(to_second, triangle, second);

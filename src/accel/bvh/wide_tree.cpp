@@ -291,6 +291,7 @@ class Widener {
         for (int axis = 0; axis < 3; ++axis) block.position[axis][at] = mesh.positions[corners[c]][axis];
       }
     }
+    if constexpr (std::is_same_v<Block, SharedBlock>) block.vertices = static_cast<std::uint32_t>(vertices.size());
   }
 
   const Geometry& geometry_;
