@@ -13,10 +13,41 @@ std::size_t pixel_count(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
+/// Adds numbers that are not negative, and their squares. Squared in double: the variance of equal samples must not
+/// drown in the rounding of their squares.
+void add_numbers(const float* numbers, std::size_t count, ExactSum& sum, ExactSum& squares) {
+  constexpr float kRootOfSmall = 16.0f;
+  static_assert(kRootOfSmall * kRootOfSmall <= ExactSum::kSmall);
+  float largest = 0.0f;
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, numbers[i]);
+  ExactSum all = sum, all_squares = squares;
+  if (largest < kRootOfSmall) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = numbers[i];
+      all.add_small(x);
+      all_squares.add_small(x * x);
+    }
+  } else {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = numbers[i];
+      all.add(x);
+      all_squares.add(x * x);
+    }
+  }
+  sum = all;
+  squares = all_squares;
+}
+
 }  // namespace
 
 Film::Film(int width, int height)
     : width_(width), height_(height), sums_(pixel_count(width, height)), samples_(sums_.size()) {}
+
+void Film::add(int x, int y, const std::array<const float*, 3>& radiance, std::size_t count) {
+  const std::size_t i = index(x, y);
+  for (std::size_t c = 0; c < 3; ++c) add_numbers(radiance[c], count, sums_[i].rgb[c], sums_[i].squares[c]);
+  samples_[i] += static_cast<std::uint32_t>(count);
+}
 
 Rgb Film::mean(int x, int y) const {
   const std::size_t i = index(x, y);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
@@ -46,7 +48,20 @@ PixelRect region_of(const RenderOptions& o) {
   return c;
 }
 
-bool usable(const Rgb& c) { return is_finite(c) && c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
+std::array<const float*, 3> from(const BatchRadiance& radiance, std::size_t first) {
+  return {radiance[0].data() + first, radiance[1].data() + first, radiance[2].data() + first};
+}
+
+/// Whether some samples are all finite and not negative.
+bool usable(const BatchRadiance& radiance, std::size_t first, std::size_t count) {
+  int unusable = 0;
+  for (const float* const samples : from(radiance, first)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      unusable |= static_cast<int>(!(samples[i] >= 0.0f)) | static_cast<int>(!(samples[i] <= std::numeric_limits<float>::max()));
+    }
+  }
+  return unusable == 0;
+}
 
 }  // namespace
 
@@ -132,33 +147,43 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   std::uint64_t taken = 0;
   PathBatch paths;
   paths.sampler = options_.sampler;
-  std::array<int, PathBatch::kMost> x_of, y_of;  // in the tile
+  struct Run {
+    int x, y;  ///< in the tile
+    std::size_t first, count;
+  };
+  std::vector<Run> runs;  // of samples of one pixel
   BatchRadiance radiance;
   const auto trace = [&] {
     integrator_.trace(paths, radiance, stats.rays);
-    for (std::size_t i = 0; i < paths.count; ++i) {
-      const int x = x_of[i], y = y_of[i];
-      const Rgb sample(radiance[0][i], radiance[1][i], radiance[2][i]);
-      if (usable(sample)) {
-        gathered.add(x, y, sample);
-      } else {
-        RenderStats dropped;
-        dropped.dropped = 1;
-        dropped.first_dropped = DroppedSample{tile.x + x, tile.y + y, paths.sample[i]};
-        stats.add(dropped);
+    for (const Run& run : runs) {
+      if (usable(radiance, run.first, run.count)) [[likely]] {
+        gathered.add(run.x, run.y, from(radiance, run.first), run.count);
+        continue;
+      }
+      for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+        if (usable(radiance, i, 1)) {
+          gathered.add(run.x, run.y, from(radiance, i), 1);
+        } else {
+          RenderStats dropped;
+          dropped.dropped = 1;
+          dropped.first_dropped = DroppedSample{tile.x + run.x, tile.y + run.y, paths.sample[i]};
+          stats.add(dropped);
+        }
       }
     }
     taken += paths.count;
     paths.count = 0;
+    runs.clear();
   };
   for (int pixel = 0; pixel < tile.width * tile.height; ++pixel) {
-    const int x = tile.x + pixel % tile.width;
-    const int y = tile.y + pixel / tile.width;
-    const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-    for (std::uint32_t s = first; s < first + count; ++s) {
-      x_of[paths.count] = x - tile.x;
-      y_of[paths.count] = y - tile.y;
-      paths.add(x, y, seed, s);
+    const int x = pixel % tile.width, y = pixel / tile.width;
+    const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(tile.x + x), static_cast<std::uint32_t>(tile.y + y));
+    for (std::uint32_t done = 0; done < count;) {
+      const std::uint32_t room = static_cast<std::uint32_t>(PathBatch::kMost - paths.count);
+      const std::uint32_t taking = std::min(room, count - done);
+      runs.push_back({x, y, paths.count, taking});
+      paths.add(tile.x + x, tile.y + y, seed, first + done, taking);
+      done += taking;
       if (paths.count < PathBatch::kMost) continue;
       trace();
       if (stop_.load(std::memory_order_relaxed)) break;

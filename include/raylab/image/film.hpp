@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,16 +22,17 @@ class ExactSum {
 
   /// x must not be NaN.
   void add(double x) {
-    if (std::abs(x) < 0x1p8) {  // nearly always: one conversion does
-      sum_ += static_cast<std::int64_t>(x * kScale);
-      return;
-    }
+    if (std::abs(x) < kSmall) return add_small(x);  // nearly always: one conversion does
     x = std::clamp(x, -kLargest, kLargest);
     const auto whole = static_cast<std::int64_t>(x);
     const auto fraction = static_cast<std::int64_t>((x - static_cast<double>(whole)) * kScale);
     sum_ += (static_cast<__int128>(whole) << kFractionBits) + fraction;
   }
   void add(const ExactSum& other) { sum_ += other.sum_; }
+
+  static constexpr double kSmall = 0x1p8;
+  /// add() where |x| < kSmall.
+  void add_small(double x) { sum_ += static_cast<std::int64_t>(x * kScale); }
 
   /// The sum, rounded once to the nearest double.
   double value() const { return static_cast<double>(sum_) / kScale; }
@@ -59,17 +61,9 @@ class Film {
   int height() const { return height_; }
 
   /// Adds one sample. Non-finite and negative ones must have been dropped by the caller.
-  void add(int x, int y, const Rgb& radiance) {
-    const std::size_t i = index(x, y);
-    PixelSum& sum = sums_[i];
-    for (int c = 0; c < 3; ++c) {
-      // Squared in double: the variance of equal samples must not drown in the rounding of their squares.
-      const double value = radiance[c];
-      sum.rgb[c].add(value);
-      sum.squares[c].add(value * value);
-    }
-    ++samples_[i];
-  }
+  void add(int x, int y, const Rgb& radiance) { add(x, y, {&radiance.r, &radiance.g, &radiance.b}, 1); }
+  /// Adds `count` samples of one pixel, given as their reds, greens and blues.
+  void add(int x, int y, const std::array<const float*, 3>& radiance, std::size_t count);
 
   std::uint32_t samples(int x, int y) const { return samples_[index(x, y)]; }
 

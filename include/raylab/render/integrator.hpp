@@ -60,13 +60,17 @@ struct PathBatch {
   std::array<std::uint32_t, kMost> seed_low, seed_high;  ///< of the pixel, see PixelSeed
   std::array<std::uint32_t, kMost> sample;               ///< index of the sample
 
-  void add(int px, int py, const PixelSeed& seed, std::uint32_t sample_index) {
-    RAYLAB_CHECK(count < kMost);
-    x[count] = static_cast<float>(px);
-    y[count] = static_cast<float>(py);
-    seed_low[count] = seed.low;
-    seed_high[count] = seed.high;
-    sample[count++] = sample_index;
+  /// Samples of one pixel, from index `first_sample` on.
+  void add(int px, int py, const PixelSeed& seed, std::uint32_t first_sample, std::uint32_t samples = 1) {
+    RAYLAB_CHECK(samples <= kMost - count);
+    for (std::uint32_t i = 0; i < samples; ++i) {
+      x[count + i] = static_cast<float>(px);
+      y[count + i] = static_cast<float>(py);
+      seed_low[count + i] = seed.low;
+      seed_high[count + i] = seed.high;
+      sample[count + i] = first_sample + i;
+    }
+    count += samples;
   }
 };
 
