@@ -59,7 +59,7 @@ class Bvh final : public Accelerator {
     context_.ids = tree_.ids.data();
     const bool has_blocks =
         std::ranges::any_of(geometry.meshes, [](const TriangleMesh& mesh) { return !mesh.triangles.empty(); });
-    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), &context_, has_blocks};
+    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), geometry.spheres.data(), &context_, has_blocks};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.primitives;
@@ -90,46 +90,55 @@ class Bvh final : public Accelerator {
 
   void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
     if (!traces_groups_) return Accelerator::intersect_batch(rays, hits);
-    static constexpr PrimitiveId no_hit{HitBatch::kNoHit, 0};
-    for_groups(rays, kernel_.intersect_group, [&](std::size_t i, const GroupHits& found, int k) {
-      const std::uint32_t place = found.place[k];
-      if (place == kLeftOut) [[unlikely]]
-        return hits.set(i, intersect(rays.ray(i)));
-      // Written whether hit or not: cheaper than a wrong guess.
-      const bool hit = place != kNoPrimitive;
-      const PrimitiveId& id = *(hit ? &tree_.ids[place] : &no_hit);
-      hits.t[i] = found.t[k];
-      hits.u[i] = found.u[k];
-      hits.v[i] = found.v[k];
-      hits.geometry[i] = id.geometry;
-      hits.primitive[i] = id.primitive;
+    for_groups(rays, kernel_.intersect_group, [&](std::size_t first, std::size_t count, const GroupHits& found) {
+      std::copy_n(found.t, count, hits.t + first);
+      std::copy_n(found.u, count, hits.u + first);
+      std::copy_n(found.v, count, hits.v + first);
+      static constexpr PrimitiveId no_hit{HitBatch::kNoHit, 0};
+      static_assert(kLeftOut < kNoPrimitive);
+      for (std::size_t k = 0; k < count; ++k) {
+        const bool hit = found.place[k] < kLeftOut;
+        const PrimitiveId& id = *(hit ? &tree_.ids[found.place[k]] : &no_hit);  // cheaper than a wrong guess
+        hits.geometry[first + k] = id.geometry;
+        hits.primitive[first + k] = id.primitive;
+      }
+      for_left_out(found, count, [&](std::size_t k) { hits.set(first + k, intersect(rays.ray(first + k))); });
     });
   }
 
   void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
     if (!traces_groups_) return Accelerator::occluded_batch(rays, occluded_rays);
-    for_groups(rays, kernel_.occluded_group, [&](std::size_t i, const GroupHits& found, int k) {
-      const std::uint32_t place = found.place[k];
-      occluded_rays[i] = place == kLeftOut ? occluded(rays.ray(i)) : place != kNoPrimitive;
+    for_groups(rays, kernel_.occluded_group, [&](std::size_t first, std::size_t count, const GroupHits& found) {
+      for (std::size_t k = 0; k < count; ++k) occluded_rays[first + k] = found.place[k] != kNoPrimitive;
+      for_left_out(found, count, [&](std::size_t k) { occluded_rays[first + k] = occluded(rays.ray(first + k)); });
     });
   }
 
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
-  /// take(i, hits, k): the answer for ray i is k of the hits.
+  /// take(first, count, hits): the answers for the rays [first, first + count).
   template <class Trace, class Take>
   void for_groups(const RayBatch& rays, Trace trace, const Take& take) const {
     GroupHits hits;
     for (std::size_t first = 0; first < rays.count; first += kGroup) {
-      const int count = static_cast<int>(std::min<std::size_t>(kGroup, rays.count - first));
+      const std::size_t count = std::min<std::size_t>(kGroup, rays.count - first);
       const RayColumns group{
           {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
           {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
           rays.t_min + first,
           rays.t_max + first};
-      trace(view_, group, count, hits);
-      for (int k = 0; k < count; ++k) take(first + static_cast<std::size_t>(k), hits, k);
+      trace(view_, group, static_cast<int>(count), hits);
+      take(first, count, hits);
+    }
+  }
+
+  /// Does something for the rays that the kernel has left out, which are few.
+  template <class Do>
+  static void for_left_out(const GroupHits& hits, std::size_t count, const Do& do_it) {
+    if (std::find(hits.place, hits.place + count, kLeftOut) == hits.place + count) return;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (hits.place[k] == kLeftOut) do_it(k);
     }
   }
 

@@ -168,8 +168,8 @@ class alignas(64) Flight {
 /// Rays that are on their ways at one time.
 constexpr int kFlights = 32;
 
-/// Takes `count` rays to the end of their ways, kFlights of them side by side: start(i, room, stack, deep) makes a Flight
-/// of one in that room, or returns false where nothing waits for it, and end(i, hit) is given what it has come to.
+/// Takes some rays to the end of their ways, kFlights of them side by side: start(i, room, stack, deep) makes a Flight
+/// of ray i in that room, and end(i, hit) is given what it has come to.
 ///
 /// A ray alone mostly waits: for memory in a large tree, for one operation to follow the other, and where the
 /// processor has guessed wrong whether a node or a block comes next, or whether a block holds a hit. So the rays are
@@ -177,12 +177,12 @@ constexpr int kFlights = 32;
 template <class NodeVector, bool any_hit, class Start, class End>
 class Fleet {
  public:
-  Fleet(const TreeView& tree, int count, const Start& start, const End& end)
-      : tree_(tree), count_(count), start_(start), end_(end) {
+  Fleet(const TreeView& tree, const std::uint8_t* rays, int count, const Start& start, const End& end)
+      : tree_(tree), rays_(rays), count_(count), start_(start), end_(end) {
     for (int kind = 0; kind < kKinds; ++kind) begins_[kind] = ends_[kind] = lists_[0][kind];
   }
 
-  void run() {
+  [[gnu::noinline]] void run() {
     int flying = 0;
     while (flying < kFlights && start_next(flying)) ++flying;
     while (flying != 0) {
@@ -217,14 +217,12 @@ class Fleet {
   OneRay& flight(int slot) { return *std::launder(reinterpret_cast<OneRay*>(slots_[slot].flight)); }
 
   bool start_next(int slot) {
-    while (next_ < count_) {
-      const int i = next_++;
-      if (!start_(i, slots_[slot].flight, slots_[slot].stack, deep_[slot])) continue;
-      ray_of_[slot] = i;
-      put(slot);
-      return true;
-    }
-    return false;
+    if (next_ == count_) return false;
+    const int i = rays_[next_++];
+    start_(i, slots_[slot].flight, slots_[slot].stack, deep_[slot]);
+    ray_of_[slot] = i;
+    put(slot);
+    return true;
   }
 
   /// Into the list of what it visits next.
@@ -271,8 +269,7 @@ class Fleet {
         }
         rays[6][i] = ray.t_min;
         rays[7][i] = one.limit();
-        float sphere[4];
-        sphere_at(tree_.context, one.place(), sphere);
+        const float* const sphere = sphere_at(tree_, one.place());
         for (int k = 0; k < 4; ++k) spheres[k][i] = sphere[k];
       }
       const WideDouble sphere[4] = {WideDouble(Wide::load(spheres[0])), WideDouble(Wide::load(spheres[1])),
@@ -302,6 +299,7 @@ class Fleet {
   static constexpr int kKinds = static_cast<int>(RefKind::end) + 1;
 
   const TreeView& tree_;
+  const std::uint8_t* const rays_;
   const int count_;
   const Start& start_;
   const End& end_;

@@ -69,14 +69,6 @@ template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, fl
 template float plane_distance(const SharedBlock&, int, const KernelRay&, float) noexcept;
 template float plane_distance(const SeparateBlock&, int, const KernelRay&, float) noexcept;
 
-void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept {
-  const Sphere& s = as_context(context).geometry->spheres[as_context(context).ids[place].primitive];
-  sphere[0] = s.center.x;
-  sphere[1] = s.center.y;
-  sphere[2] = s.center.z;
-  sphere[3] = s.radius;
-}
-
 bool id_precedes(const void* context, std::uint32_t a, std::uint32_t b) noexcept {
   const PrimitiveId* const ids = as_context(context).ids;
   return ids[a] < ids[b];

@@ -56,6 +56,7 @@ struct TreeView {
   const CacheLine* lines;
   Ref root;
   const PrimitiveId* ids;  ///< by place; what a hit is turned into afterwards
+  const Sphere* spheres;   ///< by primitive of their ids
   const void* context;     ///< a Context, for the functions below
   bool has_blocks;         ///< whether there are triangles
 };
@@ -77,8 +78,6 @@ bool hit_triangle_again(const Block& block, int lane, const KernelRay& ray, floa
 /// watertight_plane_distance() of the triangle in a lane of a block.
 template <class Block>
 float plane_distance(const Block& block, int lane, const KernelRay& ray, float otherwise) noexcept;
-/// Centre and radius of the sphere at a place.
-void sphere_at(const void* context, std::uint32_t place, float (&sphere)[4]) noexcept;
 
 extern template bool hit_triangle_again(const SharedBlock&, int, const KernelRay&, float, KernelHit&) noexcept;
 extern template bool hit_triangle_again(const SeparateBlock&, int, const KernelRay&, float, KernelHit&) noexcept;

@@ -182,7 +182,7 @@ class PacketBoxTest {
 
 /// The lanes whose rays may hit a sphere: conservative, since the line's distance from the centre, squared, errs
 /// by a few roundings of the centre's distance, squared. NaN and overflow count as perhaps.
-inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, const float (&sphere)[4]) {
+inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, const float* sphere) {
   const WideVec3 oc = origin - WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2]));
   const Wide radius2(sphere[3] * sphere[3]);
   const Wide a = dot(direction, direction);

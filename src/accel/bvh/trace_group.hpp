@@ -54,12 +54,18 @@ void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupH
     for (std::uint32_t left = packet.left_out(); left != 0; left &= left - 1)
       hits.place[first + __builtin_ctz(left)] = kLeftOut;
   }
+  // Gathered first, since whether a ray is done is a coin toss to the processor.
+  std::uint8_t alone[kGroup];
+  static_assert(kGroup <= 256);
+  int alone_count = 0;
+  for (int i = 0; i < count; ++i) {
+    alone[alone_count] = static_cast<std::uint8_t>(i);
+    alone_count += waiting[i].count != 0 ? 1 : 0;
+  }
   const auto start = [&](int i, unsigned char* room, FlightStack& stack, typename OneRay::Deep& deep) {
-    if (waiting[i].count == 0) return false;
     const bool has_hit = !any_hit && hits.place[i] != kNoPrimitive;
     const KernelHit best{has_hit ? hits.t[i] : -1.0f, hits.u[i], hits.v[i], hits.place[i]};
     new (room) OneRay(tree, ray_at(rays, static_cast<std::size_t>(i), hits.t[i]), best, waiting[i], stack, deep);
-    return true;
   };
   const auto end = [&](int i, const KernelHit& hit) {
     hits.t[i] = hit.t;
@@ -67,7 +73,7 @@ void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupH
     hits.v[i] = hit.v;
     hits.place[i] = hit.place;
   };
-  Fleet<NodeVector, any_hit, decltype(start), decltype(end)>(tree, count, start, end).run();
+  Fleet<NodeVector, any_hit, decltype(start), decltype(end)>(tree, alone, alone_count, start, end).run();
 }
 
 template <class NodeVector>

@@ -22,6 +22,12 @@ const T& at(const TreeView& tree, Ref ref) {
   return *reinterpret_cast<const T*>(lines + (static_cast<std::size_t>(ref & ~7u) << 3));
 }
 
+/// Centre and radius of the sphere at a place.
+inline const float* sphere_at(const TreeView& tree, std::uint32_t place) {
+  static_assert(sizeof(Sphere) == 4 * sizeof(float));
+  return reinterpret_cast<const float*>(tree.spheres + tree.ids[place].primitive);
+}
+
 /// Asks for a node or block before its turn comes, of a SeparateBlock for its beginning: more was measured to be
 /// slower. Harmless for what is neither.
 inline void prefetch(const TreeView& tree, Ref ref) {

@@ -195,8 +195,7 @@ class Packet {
   }
 
   void hit_spheres(std::uint32_t place, WideMask active) {
-    float sphere[4];
-    sphere_at(tree_.context, place, sphere);
+    const float* const sphere = sphere_at(tree_, place);
     active = active & may_hit_sphere(origin_, direction_, sphere);
     if (!any(active)) return;
     Wide t;
