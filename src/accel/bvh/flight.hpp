@@ -9,16 +9,20 @@
 namespace raylab::bvh {
 namespace {
 
-/// What of a tree a ray is yet to visit.
+/// What of a tree the rays of a group are yet to visit, each on its own. The counts lie apart, so that those of rays for
+/// which nothing waits take few cache lines.
 struct Waiting {
   static constexpr int kMost = 16;
-  int count = 0;
-  Ref refs[kMost];
-  float distances[kMost];  ///< at which the ray enters
+  std::uint8_t count[kGroup] = {};
+  struct {
+    Ref refs[kMost];
+    float distances[kMost];  ///< at which the ray enters
+  } of[kGroup];
 
-  void add(Ref ref, float distance) {
-    refs[count] = ref;
-    distances[count++] = distance;
+  void add(int ray, Ref ref, float distance) {
+    const int at = count[ray]++;
+    of[ray].refs[at] = ref;
+    of[ray].distances[at] = distance;
   }
 };
 
@@ -54,8 +58,8 @@ class alignas(64) Flight {
   using Found = BlockTest<kind>::Found;
   using Deep = DeepStack<width>;
 
-  /// `best` is a hit at the ray's limit, or has no place and -1 for t.
-  Flight(const TreeView& tree, const KernelRay& ray, const KernelHit& best, const Waiting& waiting,
+  /// `best` is a hit at the ray's limit, or has no place and -1 for t. What waits is that for ray i.
+  Flight(const TreeView& tree, const KernelRay& ray, const KernelHit& best, const Waiting& waiting, int i,
          FlightStack& stack, Deep& deep)
       : ray_(ray),
         box_test_(ray_),
@@ -67,15 +71,15 @@ class alignas(64) Flight {
         deep_(deep) {
     distances_[0] = -1.0f;
     refs_[0] = make_ref(RefKind::end, 0);
-    for (int i = waiting.count; i-- > 0;) {
+    for (int k = waiting.count[i]; k-- > 0;) {
       int at = ++top_;
-      const float distance = waiting.distances[i];
+      const float distance = waiting.of[i].distances[k];
       for (; !any_hit && distances_[at - 1] < distance && at > 1; --at) {
         distances_[at] = distances_[at - 1];
         refs_[at] = refs_[at - 1];
       }
       distances_[at] = distance;
-      refs_[at] = waiting.refs[i];
+      refs_[at] = waiting.of[i].refs[k];
     }
     go_on(tree);
   }

@@ -11,6 +11,7 @@ namespace {
 /// edge functions around, which changes no answer.
 class PacketTriangleTest {
  public:
+  PacketTriangleTest() = default;
   PacketTriangleTest(const WideVec3& origin, const WideVec3& direction) : origin_(origin), direction_(direction) {
     const WideVec3 size = abs(direction);
     const WideMask x_over_y = size.x > size.y;

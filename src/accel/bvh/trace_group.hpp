@@ -33,12 +33,12 @@ inline RayColumns packet_of(const RayColumns& rays, int first, int count, Padded
 template <class NodeVector, bool any_hit>
 void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupHits& hits) noexcept {
   using OneRay = Flight<NodeVector, any_hit>;
-  Waiting waiting[kGroup];
+  Waiting waiting;
   for (int first = 0; first < count; first += kLanes) {
     const int lanes = count - first < kLanes ? count - first : kLanes;
     Padded padded;
     const RayColumns packet_rays = packet_of(rays, first, lanes, padded);
-    Packet<NodeVector, any_hit> packet(tree, packet_rays, (1u << lanes) - 1u, waiting + first);
+    Packet<NodeVector, any_hit> packet(tree, packet_rays, (1u << lanes) - 1u, waiting, first);
     packet.run();
     packet.limits().store(hits.t + first);
     packet.u().store(hits.u + first);
@@ -46,8 +46,6 @@ void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupH
     if constexpr (any_hit) {
       const WideMask done = WideMask::of(packet.done());
       select(done, WideUInt(0u), WideUInt(kNoPrimitive)).store(hits.place + first);
-      for (std::uint32_t left = packet.done(); left != 0; left &= left - 1)
-        waiting[first + __builtin_ctz(left)].count = 0;
     } else {
       packet.places().store(hits.place + first);
     }
@@ -60,12 +58,14 @@ void trace_group(const TreeView& tree, const RayColumns& rays, int count, GroupH
   int alone_count = 0;
   for (int i = 0; i < count; ++i) {
     alone[alone_count] = static_cast<std::uint8_t>(i);
-    alone_count += waiting[i].count != 0 ? 1 : 0;
+    const bool is_done = any_hit && hits.place[i] != kNoPrimitive;
+    alone_count += static_cast<int>(waiting.count[i] != 0) & static_cast<int>(!is_done);
   }
   const auto start = [&](int i, unsigned char* room, FlightStack& stack, typename OneRay::Deep& deep) {
     const bool has_hit = !any_hit && hits.place[i] != kNoPrimitive;
     const KernelHit best{has_hit ? hits.t[i] : -1.0f, hits.u[i], hits.v[i], hits.place[i]};
-    new (room) OneRay(tree, ray_at(rays, static_cast<std::size_t>(i), hits.t[i]), best, waiting[i], stack, deep);
+    new (room) OneRay(tree, ray_at(rays, static_cast<std::size_t>(i), hits.t[i]), best, waiting, i, stack,
+                     deep);
   };
   const auto end = [&](int i, const KernelHit& hit) {
     hits.t[i] = hit.t;

@@ -24,16 +24,18 @@ class Packet {
  public:
   static constexpr int width = NodeVector::lanes;
 
-  /// Rays of the lanes whose bits are set. What is left for them to visit alone is added to `waiting`.
-  Packet(const TreeView& tree, const RayColumns& rays, std::uint32_t lanes, Waiting* waiting)
+  /// Rays of the lanes whose bits are set. What is left for them to visit alone is added to `waiting`, where the ray of
+  /// lane 0 is `first`.
+  Packet(const TreeView& tree, const RayColumns& rays, std::uint32_t lanes, Waiting& waiting, int first)
       : tree_(tree),
         rays_(rays),
         waiting_(waiting),
+        first_(first),
         origin_(WideVec3::load(rays.origin[0], rays.origin[1], rays.origin[2])),
         direction_(WideVec3::load(rays.direction[0], rays.direction[1], rays.direction[2])),
         t_min_(Wide::load(rays.t_min)),
-        box_test_(origin_, direction_),
-        triangle_test_(origin_, direction_) {
+        box_test_(origin_, direction_) {
+    if (tree.has_blocks) triangle_test_ = PacketTriangleTest(origin_, direction_);
     const Wide t_max = Wide::load(rays.t_max);
     best_t_ = select(t_max < Wide(kInfinity), next_down_positive(t_max), Wide(0x1.fffffep127f));
     const WideVec3 size = abs(direction_);
@@ -63,7 +65,7 @@ class Packet {
         nears_[top + 1].store(limits_);
         for (std::uint32_t left = bits; left != 0; left &= left - 1) {
           const int i = __builtin_ctz(left);
-          waiting_[i].add(ref, limits_[i]);
+          waiting_.add(first_ + i, ref, limits_[i]);
         }
       } else if (ref_kind(ref) == RefKind::node) {
         top = push_children(at<Node<width>>(tree_, ref), active, top);
@@ -94,7 +96,7 @@ class Packet {
   }
   bool can_wait(std::uint32_t lanes) const {
     for (; lanes != 0; lanes &= lanes - 1) {
-      if (waiting_[__builtin_ctz(lanes)].count == Waiting::kMost) return false;
+      if (waiting_.count[first_ + __builtin_ctz(lanes)] == Waiting::kMost) return false;
     }
     return true;
   }
@@ -245,7 +247,8 @@ class Packet {
 
   const TreeView& tree_;
   const RayColumns& rays_;
-  Waiting* waiting_;
+  Waiting& waiting_;
+  const int first_;
   WideVec3 origin_, direction_;
   Wide t_min_;
   PacketBoxTest box_test_;
