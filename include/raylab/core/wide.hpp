@@ -163,6 +163,16 @@ inline Wide greater(Wide a, Wide b) {
   return _mm_max_ps(a.v, b.v);
 #endif
 }
+/// a b + c, rounded once or, where the instruction set has no such operation, twice: for bounds, not for results.
+inline Wide multiply_add(Wide a, Wide b, Wide c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_ps(a.v, b.v, c.v);
+#elif defined(__FMA__)
+  return _mm256_fmadd_ps(a.v, b.v, c.v);
+#else
+  return a * b + c;
+#endif
+}
 inline Wide square_root(Wide x) {
 #if defined(__AVX512F__)
   return _mm512_sqrt_ps(x.v);

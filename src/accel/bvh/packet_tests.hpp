@@ -181,18 +181,20 @@ class PacketBoxTest {
   WideMask down_x_, down_y_, down_z_;
 };
 
-/// The lanes whose rays may hit a sphere: conservative, since the line's distance from the centre, squared, errs
-/// by a few roundings of the centre's distance, squared. NaN and overflow count as perhaps.
-inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, const float* sphere) {
+/// The lanes whose rays may hit a sphere; `length2` is that of the direction, squared. Conservative: the line's distance
+/// from the centre, squared and times length2, errs by a few roundings of the centre's, and what is flushed to 0 is less
+/// than 2^-100. NaN and overflow count as perhaps.
+inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, Wide length2, const float* sphere) {
   const WideVec3 oc = origin - WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2]));
-  const Wide radius2(sphere[3] * sphere[3]);
-  const Wide a = dot(direction, direction);
-  const Wide distance2 = dot(oc, oc);
-  const WideVec3 moment = cross(oc, direction);
-  const WideMask passes = dot(moment, moment) > a * (radius2 * Wide(1.0f + 0x1p-18f) + Wide(0x1p-18f) * distance2);
+  const float radius2 = sphere[3] * sphere[3];
+  const Wide distance2 = multiply_add(oc.x, oc.x, multiply_add(oc.y, oc.y, oc.z * oc.z));
+  const Wide along = multiply_add(oc.x, direction.x, multiply_add(oc.y, direction.y, oc.z * direction.z));
+  const Wide whole = distance2 * length2;
+  const Wide reach = multiply_add(distance2, Wide(0x1p-18f), Wide(radius2 * (1.0f + 0x1p-18f)));
+  const WideMask passes = (multiply_add(length2, reach, Wide(0x1p-100f)) < multiply_add(-along, along, whole)) &
+                          (whole < Wide(kInfinity));
   // Outside, and leaving.
-  const WideMask leaves = (distance2 > radius2 * Wide(1.0f + 0x1p-16f)) & (dot(oc, direction) > Wide(0.0f)) &
-                          (Wide(0x1p-100f) < dot(oc, direction));
+  const WideMask leaves = (Wide(radius2 * (1.0f + 0x1p-16f)) < distance2) & (Wide(0x1p-100f) < along);
   return !(passes | leaves);
 }
 

@@ -33,6 +33,7 @@ class Packet {
         first_(first),
         origin_(WideVec3::load(rays.origin[0], rays.origin[1], rays.origin[2])),
         direction_(WideVec3::load(rays.direction[0], rays.direction[1], rays.direction[2])),
+        length2_(dot(direction_, direction_)),
         t_min_(Wide::load(rays.t_min)),
         box_test_(origin_, direction_) {
     if (tree.has_blocks) triangle_test_ = PacketTriangleTest(origin_, direction_);
@@ -198,7 +199,7 @@ class Packet {
 
   void hit_spheres(std::uint32_t place, WideMask active) {
     const float* const sphere = sphere_at(tree_, place);
-    active = active & may_hit_sphere(origin_, direction_, sphere);
+    active = active & may_hit_sphere(origin_, direction_, length2_, sphere);
     if (!any(active)) return;
     Wide t;
     const double exact[4] = {sphere[0], sphere[1], sphere[2], sphere[3]};
@@ -250,6 +251,7 @@ class Packet {
   Waiting& waiting_;
   const int first_;
   WideVec3 origin_, direction_;
+  Wide length2_;  ///< of the direction, squared
   Wide t_min_;
   PacketBoxTest box_test_;
   PacketTriangleTest triangle_test_;
