@@ -257,6 +257,14 @@ class Wavefront {
 
   /// One segment of the paths [first, first + kLanes).
   void shade(std::size_t first, int segment) {
+    const WideUInt seed_low = WideUInt::load(paths_.seed_low + first);
+    const WideUInt seed_high = WideUInt::load(paths_.seed_high + first);
+    const WideUInt sample = WideUInt::load(paths_.sample + first);
+    const BasicSampler<Wide> sampler(sampler_kind_, seed_low, seed_high, sample);
+    const std::uint32_t draws =
+        Integrator::kFirstDimension + static_cast<std::uint32_t>(segment - 1) * kDrawsPerSegment;
+    // A long chain of operations that needs nothing of the hit: begun first, the processor does it beside the others.
+    const WideVec2 u = sampler.get2(draws + kDirection);
     const WideMask valid = first_lanes(count_ - first);
     const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
     shading_.fetch_surfaces(hits, __builtin_popcount(valid.bits()), surfaces_);
@@ -314,13 +322,6 @@ class Wavefront {
     }
     const BasicFrame<Wide> frame(ns);
     const WideVec3 wo_local = frame.to_local(wo);
-    const WideUInt seed_low = WideUInt::load(paths_.seed_low + first);
-    const WideUInt seed_high = WideUInt::load(paths_.seed_high + first);
-    const WideUInt sample = WideUInt::load(paths_.sample + first);
-    const BasicSampler<Wide> sampler(sampler_kind_, seed_low, seed_high, sample);
-    const std::uint32_t draws =
-        Integrator::kFirstDimension + static_cast<std::uint32_t>(segment - 1) * kDrawsPerSegment;
-
     if (shading_.sample_lights) {
       const WideMask lit = alive & has_density(material);
       if (any(lit)) {
@@ -328,7 +329,6 @@ class Wavefront {
       }
     }
 
-    const WideVec2 u = sampler.get2(draws + kDirection);
     Wide lobe(0.0f);
     if (any(alive & material.is(Material::Kind::dielectric))) lobe = sampler.get1(draws + kLobe);
     BasicBsdfSample<Wide> scattered = sample_bsdf<Wide>(material, color, wo_local, inside, u, lobe);
