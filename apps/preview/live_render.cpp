@@ -28,7 +28,7 @@ bool is_slow(const std::string& accel) { return accel == "list" || accel == "exa
 
 RenderOptions for_live(RenderOptions options, const std::string& accel) {
   options.tile_size = is_slow(accel) ? kSlowTile : kTile;
-  options.pass_samples = kPassSamples;
+  options.pass_samples = options.most_pass_samples = kPassSamples;
   return options;
 }
 

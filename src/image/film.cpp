@@ -18,10 +18,10 @@ std::size_t pixel_count(int width, int height) {
 void add_numbers(const float* numbers, std::size_t count, ExactSum& sum, ExactSum& squares) {
   constexpr float kRootOfSmall = 16.0f;
   static_assert(kRootOfSmall * kRootOfSmall <= ExactSum::kSmall);
-  float largest = 0.0f;
-  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, numbers[i]);
+  int large = 0;
+  for (std::size_t i = 0; i < count; ++i) large |= static_cast<int>(!(numbers[i] < kRootOfSmall));
   ExactSum all = sum, all_squares = squares;
-  if (largest < kRootOfSmall) {
+  if (large == 0) {
     for (std::size_t i = 0; i < count; ++i) {
       const double x = numbers[i];
       all.add_small(x);

@@ -125,7 +125,10 @@ void RenderSession::stop() {
 void RenderSession::run() {
   const Stopwatch watch;
   while (done_samples_ < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed)) {
-    const std::uint32_t count = std::min(options_.pass_samples, options_.samples_per_pixel - done_samples_);
+    // As many as all passes before: few of them, while at no time one pixel has over twice the samples of another.
+    const std::uint32_t wanted =
+        std::max(options_.pass_samples, std::min(done_samples_, options_.most_pass_samples));
+    const std::uint32_t count = std::min(wanted, options_.samples_per_pixel - done_samples_);
     render_pass(options_.first_sample + done_samples_, count);
     done_samples_ += count;
   }

@@ -35,7 +35,8 @@ struct RenderOptions {
   SamplerKind sampler = SamplerKind::sobol;
   IntegratorSettings integrator;
   int tile_size = 16;                  ///< pixels; changes no result
-  std::uint32_t pass_samples = 16;     ///< samples between two complete pictures; changes no result
+  std::uint32_t pass_samples = 16;     ///< of the first pass; changes no result
+  std::uint32_t most_pass_samples = 64;  ///< later passes take as many as all before, up to this
   std::optional<SceneNeeds> needs;     ///< absent: what scene_needs() says
 };
 

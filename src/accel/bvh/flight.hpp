@@ -278,11 +278,10 @@ class Fleet {
       }
       const WideDouble sphere[4] = {WideDouble(Wide::load(spheres[0])), WideDouble(Wide::load(spheres[1])),
                                     WideDouble(Wide::load(spheres[2])), WideDouble(Wide::load(spheres[3]))};
-      Wide t;
-      const WideMask hit = first_lanes(static_cast<std::size_t>(count)) &
-                           sphere_distance(WideVec3::load(rays[0], rays[1], rays[2]),
-                                           WideVec3::load(rays[3], rays[4], rays[5]), sphere, Wide::load(rays[6]),
-                                           Wide::load(rays[7]), t);
+      Wide t(0.0f);
+      const WideMask hit = sphere_distance(
+          first_lanes(static_cast<std::size_t>(count)), WideVec3::load(rays[0], rays[1], rays[2]),
+          WideVec3::load(rays[3], rays[4], rays[5]), sphere, Wide::load(rays[6]), Wide::load(rays[7]), t);
       alignas(64) float distances[kLanes];
       t.store(distances);
       for (std::uint32_t left = hit.bits(); left != 0; left &= left - 1) {

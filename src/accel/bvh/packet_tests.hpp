@@ -198,12 +198,12 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
   return !(passes | leaves);
 }
 
-/// intersect_sphere() operation by operation, but for the second of two divisions, which is seldom wanted: the nearest
-/// t with t_min < t <= limit, in the lanes it gives. t_min is not negative.
+/// intersect_sphere() operation by operation, but for divisions that are not wanted: the nearest t with
+/// t_min < t <= limit, in those of the lanes it returns. t_min is not negative.
 /// Number is double where it is one sphere for all lanes, or else WideDouble.
 template <class Number>
-WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, const Number (&sphere)[4], Wide t_min,
-                         Wide limit, Wide& t) {
+WideMask sphere_distance(WideMask lanes, const WideVec3& origin, const WideVec3& direction, const Number (&sphere)[4],
+                         Wide t_min, Wide limit, Wide& t) {
   const WideDouble dx(direction.x), dy(direction.y), dz(direction.z);
   const WideDouble ox = WideDouble(origin.x) - sphere[0];
   const WideDouble oy = WideDouble(origin.y) - sphere[1];
@@ -213,14 +213,18 @@ WideMask sphere_distance(const WideVec3& origin, const WideVec3& direction, cons
   const WideDouble b = -(ox * dx + oy * dy + oz * dz);
   const WideDouble mx = oy * dz - dy * oz, my = oz * dx - dz * ox, mz = ox * dy - dx * oy;
   const WideDouble discriminant = WideDouble(radius * radius) * a - (mx * mx + my * my + mz * mz);
+  const WideDouble c = ox * ox + oy * oy + oz * oz - radius * radius;
+  // What starts on the sphere and leaves it mostly ends here.
+  const WideDouble zero(0.0);
+  lanes = lanes & !(discriminant < zero) & ((c < zero) | !(b < zero));
+  if (!any(lanes)) return lanes;
   const WideDouble q = b + flipped_with(square_root(discriminant), b);
-  const WideMask meets = !(discriminant < WideDouble(0.0));
-  t = ((ox * ox + oy * oy + oz * oz - radius * radius) / q).to_float();
+  t = (c / q).to_float();
   // That is the nearer one if q is positive, or else the farther one, and the other is behind the origin. Where q is 0
   // both are, and t is no number or infinite.
-  const WideMask starts_inside = meets & (WideDouble(0.0) < q) & !(t_min < t);
+  const WideMask starts_inside = lanes & (zero < q) & !(t_min < t);
   if (any(starts_inside)) t = select(starts_inside, (q / a).to_float(), t);
-  return meets & (t_min < t) & (t <= limit);
+  return lanes & (t_min < t) & (t <= limit);
 }
 
 }  // namespace

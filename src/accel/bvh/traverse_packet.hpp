@@ -203,7 +203,8 @@ class Packet {
     if (!any(active)) return;
     Wide t;
     const double exact[4] = {sphere[0], sphere[1], sphere[2], sphere[3]};
-    const WideMask hit = active & sphere_distance(origin_, direction_, exact, t_min_, best_t_, t);
+    const WideMask hit = sphere_distance(active, origin_, direction_, exact, t_min_, best_t_, t);
+    if (!any(hit)) return;
     accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(place));
   }
 
