@@ -94,11 +94,11 @@ class Bvh final : public Accelerator {
       std::copy_n(found.t, count, hits.t + first);
       std::copy_n(found.u, count, hits.u + first);
       std::copy_n(found.v, count, hits.v + first);
-      static constexpr PrimitiveId no_hit{HitBatch::kNoHit, 0};
-      static_assert(kLeftOut < kNoPrimitive);
+      // What is no place is taken for the one after the last, where there is the id of no hit: no branch to guess wrong.
+      const PrimitiveId* const ids = tree_.ids.data();
+      const auto no_place = static_cast<std::uint32_t>(tree_.ids.size() - 1);
       for (std::size_t k = 0; k < count; ++k) {
-        const bool hit = found.place[k] < kLeftOut;
-        const PrimitiveId& id = *(hit ? &tree_.ids[found.place[k]] : &no_hit);  // cheaper than a wrong guess
+        const PrimitiveId id = ids[std::min(found.place[k], no_place)];
         hits.geometry[first + k] = id.geometry;
         hits.primitive[first + k] = id.primitive;
       }

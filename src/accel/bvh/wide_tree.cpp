@@ -161,6 +161,7 @@ class Widener {
 
   WideTree run() {
     tree_.primitives = binary_.primitive_count;
+    number_primitives();
     if (binary_.primitives.empty()) return std::move(tree_);
     const BinaryNode& root = binary_.nodes[0];
     if (root.is_leaf()) {
@@ -175,12 +176,17 @@ class Widener {
       plan();
       fill();
     }
-    tree_.ids = HugeArray<PrimitiveId>(binary_.primitives.size());
-    for (std::size_t i = 0; i < tree_.ids.size(); ++i) tree_.ids[i] = binary_.primitives[i].id();
     return std::move(tree_);
   }
 
  private:
+  void number_primitives() {
+    const std::size_t count = binary_.primitives.size();
+    tree_.ids = HugeArray<PrimitiveId>(count + 1);
+    for (std::size_t i = 0; i < count; ++i) tree_.ids[i] = binary_.primitives[i].id();
+    tree_.ids[count] = {HitBatch::kNoHit, 0};
+  }
+
   /// The reference to a node of the tree, which takes the next lines unless it is a sphere.
   static Ref child_ref(const BinaryNode& node, std::uint32_t& next_line) {
     if (node.kind == RefKind::sphere) return make_ref(RefKind::sphere, node.first);
@@ -312,7 +318,7 @@ WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
   };
   if (quality != BvhQuality::best) return build(Splits::of_primitives);
   WideTree tree = build(Splits::of_space_too);
-  if (tree.ids.size() == tree.primitives) return tree;
+  if (tree.ids.size() == tree.primitives + 1) return tree;  // nothing is split
   // Split by split it is the cheaper one, but not always as a whole.
   WideTree whole = build(Splits::of_primitives);
   return tree.sah_cost < whole.sah_cost ? std::move(tree) : std::move(whole);
