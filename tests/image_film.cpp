@@ -162,6 +162,21 @@ TEST_CASE("equal samples have no variance worth the name", "[unit][image]") {
   CHECK(glm::all(glm::lessThan(film.variance_of_mean(0, 0), dvec3(1e-12))));
 }
 
+TEST_CASE("samples of one pixel given together are those given one by one, small and large", "[unit][image]") {
+  Film together(2, 1), apart(2, 1);
+  const std::vector<float> red = {1.0f, 15.9f, 16.0f, 17.0f}, green = {0.0f, 300.0f, 100.0f, 2e6f};
+  const std::vector<float> blue = {0.25f, 0.5f, 1e-12f, 0.125f};
+  together.add(1, 0, {red.data(), green.data(), blue.data()}, red.size());
+  for (std::size_t i = 0; i < red.size(); ++i) apart.add(1, 0, Rgb(red[i], green[i], blue[i]));
+  CHECK(together.samples(1, 0) == 4);
+  CHECK(together.samples(0, 0) == 0);
+  CHECK(together.mean(1, 0) == apart.mean(1, 0));
+  CHECK(together.variance_of_mean(1, 0) == apart.variance_of_mean(1, 0));
+  // Of the reds: mean 12.475, squared deviations summed 131.675625 + 11.730625 + 12.425625 + 20.475625.
+  CHECK(together.mean(1, 0).r == Approx(12.475));
+  CHECK(together.variance_of_mean(1, 0).x == Approx(176.3075 / 3.0 / 4.0).epsilon(1e-6));
+}
+
 TEST_CASE("the estimated error of a film leaves out pixels that say nothing", "[unit][image]") {
   Film film(2, 2);
   CHECK(film.estimated_relmse() == kInfinity);
