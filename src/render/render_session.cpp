@@ -57,7 +57,7 @@ bool usable(const BatchRadiance& radiance, std::size_t first, std::size_t count)
   int unusable = 0;
   for (const float* const samples : from(radiance, first)) {
     for (std::size_t i = 0; i < count; ++i) {
-      unusable |= static_cast<int>(!(samples[i] >= 0.0f)) | static_cast<int>(!(samples[i] <= std::numeric_limits<float>::max()));
+      unusable |= static_cast<int>(!(samples[i] >= 0.0f && samples[i] <= std::numeric_limits<float>::max()));
     }
   }
   return unusable == 0;

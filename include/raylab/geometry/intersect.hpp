@@ -181,9 +181,10 @@ inline std::optional<TriangleHit> intersect_watertight(const WatertightRay& ray,
 }
 
 /// The nearer and the farther distance at which the line of the ray meets the sphere, in units of its direction;
-/// nothing where it passes by. Where they are equal but for rounding either may be the smaller. Stable where the quadratic formula cancels: a distant or
-/// large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems, ch. 7). In double, since squares of
-/// tiny radii, of long and of short directions leave the range of float; it costs little.
+/// nothing where it passes by. Where they are equal but for rounding either may be the smaller. Stable where the
+/// quadratic formula cancels: a distant or large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems,
+/// ch. 7). In double, since squares of tiny radii, of long and of short directions leave the range of float; it costs
+/// little.
 inline std::optional<std::pair<float, float>> sphere_roots(const Ray& ray, const Sphere& sphere) {
   const dvec3 direction(ray.direction);
   const dvec3 oc = dvec3(ray.origin) - dvec3(sphere.center);

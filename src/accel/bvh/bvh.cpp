@@ -94,7 +94,7 @@ class Bvh final : public Accelerator {
       std::copy_n(found.t, count, hits.t + first);
       std::copy_n(found.u, count, hits.u + first);
       std::copy_n(found.v, count, hits.v + first);
-      // What is no place is taken for the one after the last, where there is the id of no hit: no branch to guess wrong.
+      // What is no place is taken for the one after the last, where the id of no hit is: no branch to guess wrong.
       const PrimitiveId* const ids = tree_.ids.data();
       const auto no_place = static_cast<std::uint32_t>(tree_.ids.size() - 1);
       for (std::size_t k = 0; k < count; ++k) {

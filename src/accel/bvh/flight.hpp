@@ -9,8 +9,8 @@
 namespace raylab::bvh {
 namespace {
 
-/// What of a tree the rays of a group are yet to visit, each on its own. The counts lie apart, so that those of rays for
-/// which nothing waits take few cache lines.
+/// What of a tree the rays of a group are yet to visit, each on its own. The counts lie apart, so that those of rays
+/// for which nothing waits take few cache lines.
 struct Waiting {
   static constexpr int kMost = 16;
   std::uint8_t count[kGroup] = {};

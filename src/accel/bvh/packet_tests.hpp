@@ -2,7 +2,7 @@
 // Several rays, one in each lane of a vector, against one box, triangle or sphere. Lane by lane the operations on
 // triangles are those of BlockTest, so the hits are the same bit for bit. Local to the including file.
 #include "block_test.hpp"
-#include "raylab/core/wide.hpp"
+#include "raylab/core/wide_double.hpp"
 
 namespace raylab::bvh {
 namespace {
@@ -181,9 +181,9 @@ class PacketBoxTest {
   WideMask down_x_, down_y_, down_z_;
 };
 
-/// The lanes whose rays may hit a sphere; `length2` is that of the direction, squared. Conservative: the line's distance
-/// from the centre, squared and times length2, errs by a few roundings of the centre's, and what is flushed to 0 is less
-/// than 2^-100. NaN and overflow count as perhaps.
+/// The lanes whose rays may hit a sphere; `length2` is that of the direction, squared. Conservative: the line's
+/// distance from the centre, squared and times length2, errs by a few roundings of the centre's, and what is flushed
+/// to 0 is less than 2^-100. NaN and overflow count as perhaps.
 inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction, Wide length2, const float* sphere) {
   const WideVec3 oc = origin - WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2]));
   const float radius2 = sphere[3] * sphere[3];
