@@ -1,5 +1,7 @@
 """Growth with the number of triangles, and with threads."""
 
+import math
+
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 import style
@@ -8,7 +10,7 @@ METRICS = [
     ("build, seconds, one thread", lambda row: row["build_seconds"]),
     ("bytes per triangle", lambda row: row["bytes"] / row["triangles"]),
     ("million rays per second, singly", lambda row: row["mrays_per_second"]["median"]),
-    ("million rays per second, in batches", lambda row: row["mrays_per_second_batch"]["median"]),
+    ("million rays per second, in batches", lambda row: row.get("mrays_per_second_batch", {}).get("median", math.nan)),
 ]
 SPEEDS = (2, 3)
 
