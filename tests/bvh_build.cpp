@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include "../src/accel/bvh/wide_tree.hpp"
+#include "accel/bvh/build/wide_tree.hpp"
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"
@@ -174,13 +174,13 @@ TEST_CASE(
     if (!is_parted && !is_held) continue;
     const bvh::WideTree tree = bvh::build_wide_tree({{}, spheres}, BvhQuality::balanced);
     REQUIRE(bvh::ref_kind(tree.root) == bvh::RefKind::node);
-    const auto& node = reinterpret_cast<const bvh::Node<8>&>(tree.lines[bvh::ref_index(tree.root)]);
+    const auto& node = reinterpret_cast<const bvh::Node&>(tree.lines[bvh::ref_index(tree.root)]);
     for (const Ray& ray : random_rays({vec3(-2.0f), vec3(2.0f)}, 200, static_cast<std::uint64_t>(pair))) {
       const auto first = entry(boxes[0], ray), second = entry(boxes[1], ray);
       if (!first || !second || *first == *second) continue;
       const int octant =
           (ray.direction.x < 0 ? 1 : 0) | (ray.direction.y < 0 ? 2 : 0) | (ray.direction.z < 0 ? 4 : 0);
-      const std::uint32_t nearest = bvh::ref_index(node.child[node.order[octant][0] & 15u]);
+      const std::uint32_t nearest = bvh::ref_index(node.child[node.order[octant] & 15u]);
       REQUIRE(tree.ids[nearest].primitive == (*first < *second ? 0u : 1u));
       ++(is_parted ? parted : held);
     }

@@ -11,10 +11,10 @@ using namespace raylab;
 namespace {
 
 std::optional<float> ours(const Ray& ray, const Sphere& s) {
-  return intersect_sphere(ray, s, ray.t_min, ray.t_max);
+  return intersect_sphere(Intersector::watertight, ray, s, ray.t_min, ray.t_max);
 }
 std::optional<float> book(const Ray& ray, const Sphere& s) {
-  return intersect_sphere_book(ray, s, ray.t_min, ray.t_max);
+  return intersect_sphere(Intersector::book, ray, s, ray.t_min, ray.t_max);
 }
 
 }  // namespace

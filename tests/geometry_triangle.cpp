@@ -3,7 +3,7 @@
 
 #include "catch.hpp"
 #include "raylab/core/parallel.hpp"
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 #include "raylab/measure/ray_sets.hpp"
 
 using namespace raylab;
@@ -83,7 +83,7 @@ TEST_CASE("watertight finds no hit beyond a triangle along which the ray runs up
                          {-0x1.bb3368p-1f, 0x1.5562bep-5f, -0x1.62058ap-1f}};
   const Ray ray{{-0x1.83b624p-1f, 0x1.001ccep-3f, -0x1.85724ep-2f},
                 {-0x1.bbea2p-4f, -0x1.55883cp-4f, -0x1.3e98c6p-2f}};
-  const auto hit = intersect_watertight(WatertightRay(ray), edge_on, 0.0f, kInfinity);
+  const auto hit = intersect_triangle(Intersector::watertight, ray, edge_on, 0.0f, kInfinity);
   REQUIRE(hit.has_value());
   CHECK(std::abs(hit->t - 1.0f) <= 0x1p-22f);
 }

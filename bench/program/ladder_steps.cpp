@@ -6,7 +6,7 @@
 
 #include "ladder_tree.hpp"
 #include "raylab/core/timing.hpp"
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 
 namespace raylab::bench {
 

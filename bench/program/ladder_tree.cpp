@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 
 namespace raylab::bench {
 

@@ -12,6 +12,7 @@
 
 #include "backends.hpp"
 #include "embree_api.hpp"
+#include "geometry/primitive_test.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
@@ -74,7 +75,8 @@ bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
   const Ray own{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}};
   const Sphere& sphere = static_cast<const Geometry*>(user)->spheres[primitive];
   // Embree's interval is closed, ours is open.
-  const auto hit = intersect_sphere(own, sphere, next_float_down(ray.tnear), next_float_up(ray.tfar));
+  const auto hit = PrimitiveTest<Intersector::fast>(own).sphere(sphere, next_float_down(ray.tnear),
+                                                               next_float_up(ray.tfar));
   if (hit) t = *hit;
   return hit.has_value();
 }

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "backends.hpp"
-#include "bvh/binary_tree.hpp"
-#include "bvh/layout.hpp"
+#include "bvh/build/binary_tree.hpp"
+#include "bvh/layout/layout.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"

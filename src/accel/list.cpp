@@ -2,7 +2,7 @@
 // judges the others.
 #include "backends.hpp"
 #include "raylab/core/timing.hpp"
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 
 namespace raylab {
 

@@ -9,7 +9,7 @@
 
 #include "backends.hpp"
 #include "raylab/core/timing.hpp"
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 
 namespace raylab {
 

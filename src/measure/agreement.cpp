@@ -5,7 +5,7 @@
 
 #include "raylab/core/parallel.hpp"
 #include "raylab/geometry/exact.hpp"
-#include "raylab/geometry/primitive_test.hpp"
+#include "geometry/primitive_test.hpp"
 
 namespace raylab {
 

@@ -5,7 +5,7 @@
 #include <raylab/accel/accelerator.hpp>
 #include <raylab/core/error.hpp>
 #include <raylab/core/timing.hpp>
-#include <raylab/geometry/primitive_test.hpp>
+#include <raylab/geometry/intersect.hpp>
 
 namespace {
 
@@ -29,11 +29,13 @@ class Grid final : public Accelerator {
   }
 
   std::optional<Hit> intersect(const Ray& ray) const noexcept override {
-    const PrimitiveTest<Intersector::watertight> test(ray);
+    const auto test = [&](const PrimitiveId& id, float t_max) {
+      return intersect_primitive(Intersector::watertight, ray, geometry_, id, ray.t_min, t_max);
+    };
     std::optional<Hit> closest;
     walk(ray, [&](std::span<const PrimitiveId> ids, float t_exit) {
       for (const PrimitiveId& id : ids) {
-        if (const auto hit = test(geometry_, id, ray.t_min, closest ? closest->t : ray.t_max)) closest = hit;
+        if (const auto hit = test(id, closest ? closest->t : ray.t_max)) closest = hit;
       }
       return closest && closest->t <= t_exit;  // a hit beyond this cell may not be the closest
     });
@@ -41,11 +43,13 @@ class Grid final : public Accelerator {
   }
 
   bool occluded(const Ray& ray) const noexcept override {
-    const PrimitiveTest<Intersector::watertight> test(ray);
+    const auto test = [&](const PrimitiveId& id, float t_max) {
+      return intersect_primitive(Intersector::watertight, ray, geometry_, id, ray.t_min, t_max);
+    };
     bool found = false;
     walk(ray, [&](std::span<const PrimitiveId> ids, float) {
       found = std::any_of(ids.begin(), ids.end(),
-                          [&](const auto& id) { return test(geometry_, id, ray.t_min, ray.t_max).has_value(); });
+                          [&](const auto& id) { return test(id, ray.t_max).has_value(); });
       return found;
     });
     return found;

@@ -1,16 +1,16 @@
-// `bvh`: Raylab's own tree. See layout.hpp for what it is made of, traverse.hpp for how it is traversed.
-#include <xmmintrin.h>
-
+// `bvh`: Raylab's own tree. See layout/ for what it is made of, build/ for how it is made, traverse/ for how it is
+// traversed.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "../backends.hpp"
-#include "kernel.hpp"
+#include "build/wide_tree.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
-#include "wide_tree.hpp"
+#include "traverse/kernel.hpp"
 
 namespace raylab {
 
@@ -44,7 +44,7 @@ constexpr float kBookDirectionRange = 0x1p120f;
 class Bvh final : public Accelerator {
  public:
   Bvh(const Geometry& geometry, const AcceleratorOptions& options)
-      : context_{&geometry, nullptr}, kernel_(choose_kernel(options.isa)) {
+      : kernel_(choose_kernel(options.isa)) {
     const Intersector intersector = options.intersector.value_or(Intersector::watertight);
     intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
     occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
@@ -56,10 +56,9 @@ class Bvh final : public Accelerator {
       const FlushDenormals flush;
       tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
     }
-    context_.ids = tree_.ids.data();
     const bool has_blocks =
         std::ranges::any_of(geometry.meshes, [](const TriangleMesh& mesh) { return !mesh.triangles.empty(); });
-    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), geometry.spheres.data(), &context_, has_blocks};
+    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), geometry.spheres.data(), has_blocks};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.primitives;
@@ -73,17 +72,17 @@ class Bvh final : public Accelerator {
   Bvh& operator=(const Bvh&) = delete;
 
   std::optional<Hit> intersect(const Ray& ray) const noexcept override {
-    KernelRay query;
+    TraversalRay query;
     float scale;
     if (!make_query(ray, query, scale)) return std::nullopt;
-    const KernelHit hit = intersect_(view_, query);
-    if (hit.place == kNoPrimitive) return std::nullopt;
-    const PrimitiveId& id = tree_.ids[hit.place];
+    const TraversalHit hit = intersect_(view_, query);
+    if (hit.primitive_slot == kNoPrimitive) return std::nullopt;
+    const PrimitiveId& id = tree_.ids[hit.primitive_slot];
     return Hit{hit.t * scale, hit.u, hit.v, id.geometry, id.primitive};
   }
 
   bool occluded(const Ray& ray) const noexcept override {
-    KernelRay query;
+    TraversalRay query;
     float scale;
     return make_query(ray, query, scale) && occluded_(view_, query);
   }
@@ -94,11 +93,11 @@ class Bvh final : public Accelerator {
       std::copy_n(found.t, count, hits.t + first);
       std::copy_n(found.u, count, hits.u + first);
       std::copy_n(found.v, count, hits.v + first);
-      // What is no place is taken for the one after the last, where the id of no hit is: no branch to guess wrong.
+      // What is no slot is taken for the one after the last, where the id of no hit is: no branch to guess wrong.
       const PrimitiveId* const ids = tree_.ids.data();
-      const auto no_place = static_cast<std::uint32_t>(tree_.ids.size() - 1);
+      const auto no_slot = static_cast<std::uint32_t>(tree_.ids.size() - 1);
       for (std::size_t k = 0; k < count; ++k) {
-        const PrimitiveId id = ids[std::min(found.place[k], no_place)];
+        const PrimitiveId id = ids[std::min(found.primitive_slot[k], no_slot)];
         hits.geometry[first + k] = id.geometry;
         hits.primitive[first + k] = id.primitive;
       }
@@ -109,7 +108,7 @@ class Bvh final : public Accelerator {
   void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
     if (!traces_groups_) return Accelerator::occluded_batch(rays, occluded_rays);
     for_groups(rays, kernel_.occluded_group, [&](std::size_t first, std::size_t count, const GroupHits& found) {
-      for (std::size_t k = 0; k < count; ++k) occluded_rays[first + k] = found.place[k] != kNoPrimitive;
+      for (std::size_t k = 0; k < count; ++k) occluded_rays[first + k] = found.primitive_slot[k] != kNoPrimitive;
       for_left_out(found, count, [&](std::size_t k) { occluded_rays[first + k] = occluded(rays.ray(first + k)); });
     });
   }
@@ -123,12 +122,13 @@ class Bvh final : public Accelerator {
     GroupHits hits;
     for (std::size_t first = 0; first < rays.count; first += kGroup) {
       const std::size_t count = std::min<std::size_t>(kGroup, rays.count - first);
-      const RayColumns group{
+      const RayBatch group{
+          count,
           {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
           {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
           rays.t_min + first,
           rays.t_max + first};
-      trace(view_, group, static_cast<int>(count), hits);
+      trace(view_, group, hits);
       take(first, count, hits);
     }
   }
@@ -136,43 +136,47 @@ class Bvh final : public Accelerator {
   /// Does something for the rays that the kernel has left out, which are few.
   template <class Do>
   static void for_left_out(const GroupHits& hits, std::size_t count, const Do& do_it) {
-    if (std::find(hits.place, hits.place + count, kLeftOut) == hits.place + count) return;
+    if (std::find(hits.primitive_slot, hits.primitive_slot + count, kLeftOut) == hits.primitive_slot + count) return;
     for (std::size_t k = 0; k < count; ++k) {
-      if (hits.place[k] == kLeftOut) do_it(k);
+      if (hits.primitive_slot[k] == kLeftOut) do_it(k);
     }
+  }
+
+  static void store4(float (&to)[4], const vec3& v, float last) {
+    using Four = float __attribute__((vector_size(16)));
+    const Four four = {v.x, v.y, v.z, last};
+    std::memcpy(to, &four, sizeof four);
   }
 
   /// False where nothing can be hit. Directions whose reciprocal is out of range are multiplied by a power of two,
   /// and so is the reciprocal of t: by `scale` it becomes what it should be.
-  bool make_query(const Ray& ray, KernelRay& query, float& scale) const {
+  bool make_query(const Ray& ray, TraversalRay& query, float& scale) const {
     if (!(ray.t_min < ray.t_max)) return false;
     scale = 1.0f;
     const vec3 size = glm::abs(ray.direction);
     const float largest = max_component(size);
     // Written as whole vectors, as the kernel reads it: else it would have to wait for them.
-    _mm_store_ps(query.origin, _mm_setr_ps(ray.origin.x, ray.origin.y, ray.origin.z, ray.t_min));
-    _mm_store_ps(query.direction,
-                 _mm_setr_ps(ray.direction.x, ray.direction.y, ray.direction.z,
-                             ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max()));
+    const float limit = ray.t_max < kInfinity ? next_float_down(ray.t_max) : std::numeric_limits<float>::max();
+    store4(query.origin, ray.origin, ray.t_min);
+    store4(query.direction, ray.direction, limit);
     if (!(largest <= direction_range_ && largest * direction_range_ >= 1.0f)) [[unlikely]] {
       if (!(largest > 0.0f)) return false;
       scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
-      for (float& d : query.direction) d *= scale;
-      query.t_min /= scale;
+      float t_min = ray.t_min / scale;
       // What would be a denormal counts as 0, as it would without scaling.
       constexpr float smallest = std::numeric_limits<float>::min();
-      if (scale < 1.0f) query.t_min = std::max(query.t_min, next_float_down(smallest / scale));
-      query.limit = std::min(query.limit / scale, std::numeric_limits<float>::max());
+      if (scale < 1.0f) t_min = std::max(t_min, next_float_down(smallest / scale));
+      store4(query.origin, ray.origin, t_min);
+      store4(query.direction, ray.direction * scale, std::min(limit / scale, std::numeric_limits<float>::max()));
     }
     return true;
   }
 
-  bvh::WideTree tree_;
-  Context context_;
+  WideTree tree_;
   const Kernel& kernel_;
   TreeView view_{};
-  KernelHit (*intersect_)(const TreeView&, const KernelRay&) noexcept;
-  bool (*occluded_)(const TreeView&, const KernelRay&) noexcept;
+  TraversalHit (*intersect_)(const TreeView&, const TraversalRay&) noexcept;
+  bool (*occluded_)(const TreeView&, const TraversalRay&) noexcept;
   float direction_range_ = kDirectionRange;
   bool traces_groups_;
   BuildReport report_;

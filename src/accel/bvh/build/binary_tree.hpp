@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "huge_array.hpp"
-#include "layout.hpp"
+#include "../layout/layout.hpp"
 #include "primitives.hpp"
 #include "raylab/accel/accelerator.hpp"
 

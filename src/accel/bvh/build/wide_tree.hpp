@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "huge_array.hpp"
-#include "layout.hpp"
+#include "../layout/layout.hpp"
 #include "raylab/accel/accelerator.hpp"
 
 namespace raylab::bvh {

@@ -1,9 +1,9 @@
 #pragma once
-// Several rays at once, one in each lane of a vector: a node's box, or a triangle, is loaded and prepared once for
-// all of them. Included after simd_*.hpp, and as local to the including file.
+// A packet of rays, one in each lane of a vector: a node's box, or a triangle, is loaded and prepared once for all of
+// them.
 #include <type_traits>
 
-#include "flight.hpp"
+#include "interleaved.hpp"
 #include "packet_tests.hpp"
 
 namespace raylab::bvh {
@@ -19,28 +19,25 @@ constexpr int kFewAtBlock = kLanes / 2;
 constexpr int kFewAmongSpheres = kLanes / 8;
 
 /// A packet goes through the tree as long as its rays stay together.
-template <class NodeVector, bool any_hit>
+template <bool any_hit>
 class Packet {
  public:
-  static constexpr int width = NodeVector::lanes;
-
   /// Rays of the lanes whose bits are set. What is left for them to visit alone is added to `waiting`, where the ray of
   /// lane 0 is `first`.
-  Packet(const TreeView& tree, const RayColumns& rays, std::uint32_t lanes, Waiting& waiting, int first)
+  Packet(const TreeView& tree, const RayBatch& rays, std::uint32_t lanes, Waiting& waiting, int first)
       : tree_(tree),
         rays_(rays),
         waiting_(waiting),
         first_(first),
-        origin_(WideVec3::load(rays.origin[0], rays.origin[1], rays.origin[2])),
-        direction_(WideVec3::load(rays.direction[0], rays.direction[1], rays.direction[2])),
+        origin_(load3(rays.origin[0], rays.origin[1], rays.origin[2])),
+        direction_(load3(rays.direction[0], rays.direction[1], rays.direction[2])),
         length2_(dot(direction_, direction_)),
         t_min_(Wide::load(rays.t_min)),
         box_test_(origin_, direction_) {
-    if (tree.has_blocks) triangle_test_ = PacketTriangleTest(origin_, direction_);
+    if (tree.has_blocks) sheared_ = ShearedRay<Wide>(direction_);
     const Wide t_max = Wide::load(rays.t_max);
     best_t_ = select(t_max < Wide(kInfinity), next_down_positive(t_max), Wide(0x1.fffffep127f));
-    const WideVec3 size = abs(direction_);
-    const Wide largest = greater(size.x, greater(size.y, size.z));
+    const Wide largest = max_component(abs(direction_));
     const WideMask in_range = (largest <= Wide(kDirectionRange)) & (largest * Wide(kDirectionRange) >= Wide(1.0f));
     left_out_ = WideMask::of(lanes) & !in_range;
     lanes_ = WideMask::of(lanes) & in_range & (t_min_ < t_max);
@@ -69,7 +66,7 @@ class Packet {
           waiting_.add(first_ + i, ref, limits_[i]);
         }
       } else if (ref_kind(ref) == RefKind::node) {
-        top = push_children(at<Node<width>>(tree_, ref), active, top);
+        top = push_children(at<Node>(tree_, ref), active, top);
       } else if (ref_kind(ref) == RefKind::triangles) {
         hit_block(at<SharedBlock>(tree_, ref), active);
       } else if (ref_kind(ref) == RefKind::separate) {
@@ -88,7 +85,7 @@ class Packet {
   Wide limits() const { return best_t_; }
   Wide u() const { return best_u_; }
   Wide v() const { return best_v_; }
-  WideUInt places() const { return places_; }
+  WideUInt slots() const { return slots_; }
 
  private:
   int few_at(RefKind kind) const {
@@ -103,13 +100,15 @@ class Packet {
   }
 
   /// The children that some ray may hit, the nearest for the first ray on top.
-  int push_children(const Node<width>& node, WideMask active, int top) {
-    const std::uint32_t order = node.order[box_test_.octant(__builtin_ctz(active.bits()))][0];
+  int push_children(const Node& node, WideMask active, int top) {
+    const std::uint32_t order = node.order[box_test_.octant(__builtin_ctz(active.bits()))];
     const auto child = [&](int i) { return order >> (4 * i) & 15u; };
-    int i = width - 1;
+    int i = kWidth - 1;
     while (ref_kind(node.child[child(i)]) == RefKind::end) --i;  // unused lanes are last
     for (; i >= 0; --i) {
-      const WideMask hit = active & box_test_(node, static_cast<int>(child(i)), t_min_, best_t_, nears_[top + 1]);
+      const SlabInterval<Wide> interval = box_test_(node, static_cast<int>(child(i)), t_min_, best_t_);
+      const WideMask hit = active & (interval.near <= interval.far);
+      nears_[top + 1] = interval.near;
       refs_[top + 1] = node.child[child(i)];
       masks_[top + 1] = hit;
       top += any(hit) ? 1 : 0;  // without a branch: whether a box is hit is a coin toss to the processor
@@ -123,12 +122,10 @@ class Packet {
   template <class Block>
   void hit_block(const Block& block, WideMask active) {
     constexpr bool shared = std::is_same_v<Block, SharedBlock>;
-    using Vertex = PacketTriangleTest::Vertex;
-    Vertex vertices[shared ? kBlockSize : 3];
+    WideVec3 vertices[shared ? kBlockSize : 3];
     const auto transform = [&](int i, int position) {
-      vertices[i] = triangle_test_.transform(WideVec3(Wide(block.position[0][position]),
-                                                      Wide(block.position[1][position]),
-                                                      Wide(block.position[2][position])));
+      vertices[i] = to_ray_space(sheared_, WideVec3(Wide(block.position[0][position]), Wide(block.position[1][position]),
+                                                    Wide(block.position[2][position])) - origin_);
     };
     // Without branches: whether some ray passes a triangle is a coin toss to the processor.
     const int count = __builtin_popcount(block.lanes);
@@ -147,7 +144,7 @@ class Packet {
       } else {
         for (int k = 0; k < 3; ++k) transform(k, corner_of(block, k, lane));
       }
-      const WideMask inside = active & PacketTriangleTest::inside(vertices[a], vertices[b], vertices[c]);
+      const WideMask inside = active & !differ_in_sign(edges_of(vertices[a], vertices[b], vertices[c]));
       passed[passed_count] = inside;
       passed_lane[passed_count] = static_cast<std::uint32_t>(lane);
       passed_count += any(inside) ? 1 : 0;
@@ -176,41 +173,45 @@ class Packet {
   template <class Block>
   void hit_triangles(const Block& block, WideMask lanes, WideUInt triangle) {
     if constexpr (any_hit) lanes = lanes & !done_;
-    const WideVec3 corner[3] = {corner_at(block, 0, triangle), corner_at(block, 1, triangle),
-                                corner_at(block, 2, triangle)};
-    PacketTriangleTest::Found found =
-        triangle_test_.find<any_hit>(lanes, triangle_test_.transform(corner[0]), triangle_test_.transform(corner[1]),
-                                     triangle_test_.transform(corner[2]), t_min_, best_t_);
-    if (any(found.unsure)) {
+    const WideVec3 p0 = corner_at(block, 0, triangle), p1 = corner_at(block, 1, triangle),
+                   p2 = corner_at(block, 2, triangle);
+    const WideVec3 a = to_ray_space(sheared_, p0 - origin_), b = to_ray_space(sheared_, p1 - origin_),
+                   c = to_ray_space(sheared_, p2 - origin_);
+    const Wide xy_size = max(max(abs(a.x), abs(a.y)), max(max(abs(b.x), abs(b.y)), max(abs(c.x), abs(c.y))));
+    WatertightHit<Wide> found = watertight_hit<Wide>(edges_of(a, b, c), a.z, b.z, c.z, xy_size, sheared_.direction_z);
+    const WideMask sure = lanes & found.sure;
+    const WideMask decided = found.precise | side_is_certain<any_hit>(found, t_min_, best_t_);
+    WideMask hit = sure & decided & (t_min_ < found.t) & (found.t <= best_t_);
+    if (const WideMask unsure = lanes & !found.sure; any(unsure)) {
       best_t_.store(limits_);
-      for (std::uint32_t left = found.unsure.bits(); left != 0; left &= left - 1) {
+      for (std::uint32_t left = unsure.bits(); left != 0; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        KernelHit hit;
-        if (hit_triangle_again(block, static_cast<int>(triangle.v[i]), ray(i), limits_[i], hit)) take(i, hit);
+        TraversalHit again;
+        if (hit_in_double(block, static_cast<int>(triangle.v[i]), ray(i), limits_[i], again)) take(i, again);
       }
       best_t_ = Wide::load(limits_);
     }
-    if (any(found.imprecise)) {
-      found.t = select(found.imprecise, triangle_test_.plane_distance(corner, found.t), found.t);
-      found.hit = found.hit | (found.imprecise & (t_min_ < found.t) & (found.t <= best_t_));
+    if (const WideMask imprecise = sure & !decided; any(imprecise)) {
+      found.t = select(imprecise, plane_distance(sheared_.axes, origin_, direction_, p0, p1, p2, found.t), found.t);
+      hit = hit | (imprecise & (t_min_ < found.t) & (found.t <= best_t_));
     }
-    accept(found.hit, found.t, found.beta, found.gamma, WideUInt(block.first) + triangle);
+    accept(hit, found.t, found.beta, found.gamma, WideUInt(block.first) + triangle);
   }
 
-  void hit_spheres(std::uint32_t place, WideMask active) {
-    const float* const sphere = sphere_at(tree_, place);
+  void hit_spheres(std::uint32_t slot, WideMask active) {
+    const float* const sphere = sphere_at(tree_, slot);
     active = active & may_hit_sphere(origin_, direction_, length2_, sphere);
     if (!any(active)) return;
     Wide t;
-    const double exact[4] = {sphere[0], sphere[1], sphere[2], sphere[3]};
-    const WideMask hit = sphere_distance(active, origin_, direction_, exact, t_min_, best_t_, t);
+    const WideMask hit = hit_sphere(active, origin_, direction_, WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2])),
+                                    Wide(sphere[3]), t_min_, best_t_, t);
     if (!any(hit)) return;
-    accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(place));
+    accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(slot));
   }
 
   /// Makes the hits of some lanes, none of them farther than the best one, the best. Of equally near ones the
   /// smallest id wins.
-  void accept(WideMask lanes, Wide t, Wide u, Wide v, WideUInt place) {
+  void accept(WideMask lanes, Wide t, Wide u, Wide v, WideUInt slot) {
     // After the scalar tests some may be farther than they were.
     lanes = lanes & (t <= best_t_);
     if constexpr (any_hit) {
@@ -220,50 +221,49 @@ class Packet {
     const WideMask equal = lanes & (t == best_t_) & done_;
     for (std::uint32_t left = equal.bits(); left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
-      if (!id_precedes(tree_.context, place.v[i], places_.v[i])) lanes = lanes & !WideMask::of(1u << i);
+      if (!id_precedes(tree_, slot.v[i], slots_.v[i])) lanes = lanes & !WideMask::of(1u << i);
     }
     best_t_ = select(lanes, t, best_t_);
     best_u_ = select(lanes, u, best_u_);
     best_v_ = select(lanes, v, best_v_);
-    places_ = select(lanes, place, places_);
+    slots_ = select(lanes, slot, slots_);
     done_ = done_ | lanes;
   }
 
   /// The same for one lane; the caller keeps best_t_ in limits_ meanwhile.
-  void take(int i, const KernelHit& hit) {
+  void take(int i, const TraversalHit& hit) {
     const WideMask lane = WideMask::of(1u << i);
-    if (hit.t == limits_[i] && any(done_ & lane) && !id_precedes(tree_.context, hit.place, places_.v[i])) return;
+    if (hit.t == limits_[i] && any(done_ & lane) && !id_precedes(tree_, hit.primitive_slot, slots_.v[i])) return;
     limits_[i] = hit.t;
     best_u_ = select(lane, Wide(hit.u), best_u_);
     best_v_ = select(lane, Wide(hit.v), best_v_);
     done_ = done_ | lane;
-    places_.v[i] = hit.place;
+    slots_.v[i] = hit.primitive_slot;
   }
 
-  KernelRay ray(int i) const { return ray_at(rays_, i, limits_[i]); }
+  TraversalRay ray(int i) const { return ray_at(rays_, i, limits_[i]); }
 
-  static int largest_of(int a, int b, int c) {
-    const int ab = a > b ? a : b;
-    return ab > c ? ab : c;
+  static EdgeFunctions<Wide> edges_of(const WideVec3& a, const WideVec3& b, const WideVec3& c) {
+    return edge_functions(a.x, a.y, b.x, b.y, c.x, c.y);
   }
 
   const TreeView& tree_;
-  const RayColumns& rays_;
+  const RayBatch& rays_;
   Waiting& waiting_;
   const int first_;
   WideVec3 origin_, direction_;
   Wide length2_;  ///< of the direction, squared
   Wide t_min_;
   PacketBoxTest box_test_;
-  PacketTriangleTest triangle_test_;
+  ShearedRay<Wide> sheared_;
   WideMask lanes_, left_out_;
   WideMask done_{};  ///< lanes that have hit something
   Wide best_t_, best_u_{}, best_v_{};
   alignas(64) float limits_[kLanes];
-  WideUInt places_{kNoPrimitive};
-  Ref refs_[stack_size(width)];
-  WideMask masks_[stack_size(width)];
-  Wide nears_[stack_size(width)];
+  WideUInt slots_{kNoPrimitive};
+  Ref refs_[kStackSize];
+  WideMask masks_[kStackSize];
+  Wide nears_[kStackSize];
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "layout.hpp"
+#include "../layout/layout.hpp"
 #include "raylab/core/parallel.hpp"
 
 namespace raylab::bvh {

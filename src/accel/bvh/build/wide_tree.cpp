@@ -13,8 +13,6 @@ namespace raylab::bvh {
 
 namespace {
 
-constexpr int kWidth = 8;
-
 /// How a binary subtree is best covered by the lanes of a wide node, for each number of them: so that the areas of
 /// all wide nodes and leaves, which are what the surface area heuristic expects a ray to meet, are least together.
 struct Cover {
@@ -199,7 +197,7 @@ class Widener {
         next_line += kLines<SeparateBlock>;
         break;
       default:
-        next_line += kLines<Node<kWidth>>;
+        next_line += kLines<Node>;
     }
     RAYLAB_CHECK(next_line <= kLargestRefIndex);
     return ref;
@@ -247,12 +245,12 @@ class Widener {
     parallel_for((plans_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
       const std::size_t end = std::min(plans_.size(), (chunk + 1) * kChunk);
       for (std::size_t i = chunk * kChunk; i < end; ++i) {
-        fill_node(plans_[i], *new (&tree_.lines[plans_[i].line]) Node<kWidth>());
+        fill_node(plans_[i], *new (&tree_.lines[plans_[i].line]) Node());
       }
     });
   }
 
-  void fill_node(const Plan& plan, Node<kWidth>& node) {
+  void fill_node(const Plan& plan, Node& node) {
     const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
     std::uint32_t next_line = plan.first_child;
     for (int lane = 0; lane < kWidth; ++lane) {
@@ -272,7 +270,7 @@ class Widener {
       node.child[lane] = child_ref(child, next_line);
       if (child.is_leaf()) fill_leaf(child, node.child[lane]);
     }
-    for (int octant = 0; octant < 8; ++octant) node.order[octant][0] = treelet.order(octant);
+    for (int octant = 0; octant < 8; ++octant) node.order[octant] = treelet.order(octant);
   }
 
   void fill_leaf(const BinaryNode& leaf, Ref ref) const {

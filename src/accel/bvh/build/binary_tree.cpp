@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "build_box.hpp"
-#include "layout.hpp"
+#include "../layout/layout.hpp"
 #include "object_split.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"

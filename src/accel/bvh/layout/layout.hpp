@@ -1,7 +1,7 @@
 #pragma once
 // How the tree lies in memory, as the builder writes it and the traversal reads it.
-// This header and kernel.hpp are all that the files compiled for one instruction set share with the rest: an
-// inline function used by both could end up in the program as compiled for the newer processor.
+// Inline functions here are always inlined: files compiled for different instruction sets share this header, and one
+// copy of a function that both use could end up in the program as compiled for the newer processor.
 #include <cstdint>
 
 namespace raylab::bvh {
@@ -12,7 +12,7 @@ enum class RefKind : std::uint16_t {
   node = 0,       ///< inner node, by its first line
   triangles = 1,  ///< SharedBlock, by its first line
   separate = 2,   ///< SeparateBlock, by its first line
-  sphere = 3,     ///< a primitive, by its place in the order of the tree
+  sphere = 3,     ///< a primitive, by its slot in the order of the tree
   end = 4,        ///< nothing: the bottom of the traversal stack
 };
 using Ref = std::uint32_t;
@@ -25,17 +25,19 @@ inline constexpr std::uint32_t kLargestRefIndex = 0x1fffffffu;
 [[gnu::always_inline]] inline constexpr RefKind ref_kind(Ref ref) { return static_cast<RefKind>(ref & 7u); }
 [[gnu::always_inline]] inline constexpr std::uint32_t ref_index(Ref ref) { return ref >> 3; }
 
-/// Inner node: the boxes of up to `width` children, one array a plane.
-template <int width>
+/// Most children of an inner node.
+inline constexpr int kWidth = 8;
+
+/// Inner node: the boxes of its children, one array a plane.
 struct alignas(64) Node {
   /// Lower x, upper x, lower y, upper y, lower z, upper z. An unused lane holds an inside-out infinite box.
-  float planes[6][width];
-  Ref child[width];
+  float planes[6][kWidth];
+  Ref child[kWidth];
   /// For each octant of directions (bit a set: component a is negative) the lanes from the nearest to the
   /// farthest child, four bits each, the nearest in the lowest.
-  std::uint32_t order[8][width / 8];
+  std::uint32_t order[8];
 };
-static_assert(sizeof(Node<8>) == 256 && sizeof(Node<16>) == 512);
+static_assert(sizeof(Node) == 256);
 
 /// Most triangles in a block, and most different vertices in a SharedBlock.
 inline constexpr int kBlockSize = 16;
@@ -45,7 +47,7 @@ inline constexpr int kBlockSize = 16;
 struct alignas(64) SharedBlock {
   float position[3][kBlockSize];  ///< x of all vertices, then y, then z; unused ones are 0
   alignas(16) std::uint8_t corner[3][kBlockSize];
-  std::uint32_t first;  ///< place of lane 0 in the order of the tree; the lanes follow, their ids ascending
+  std::uint32_t first;  ///< slot of lane 0 in the order of the tree; the lanes follow, their ids ascending
   std::uint32_t lanes;  ///< bit i set: lane i is a triangle
   std::uint32_t vertices;  ///< how many there are
 };
@@ -77,6 +79,6 @@ inline constexpr int kMaxDepth = 80;
 
 /// Entries the traversal stack can need: all siblings along a path, the sentinel, and since vectors are stored
 /// whole a vector more.
-constexpr int stack_size(int width) { return kMaxDepth * (width - 1) + 2 * width; }
+inline constexpr int kStackSize = kMaxDepth * (kWidth - 1) + 2 * kWidth;
 
 }  // namespace raylab::bvh

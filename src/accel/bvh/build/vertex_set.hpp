@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "layout.hpp"
+#include "../layout/layout.hpp"
 #include "raylab/geometry/geometry.hpp"
 
 namespace raylab::bvh {

@@ -1,0 +1,7 @@
+#include "group.hpp"
+
+namespace raylab::bvh {
+
+constinit const Kernel kKernelNeon = make_kernel("neon");
+
+}  // namespace raylab::bvh

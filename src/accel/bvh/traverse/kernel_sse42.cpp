@@ -1,0 +1,7 @@
+#include "group.hpp"
+
+namespace raylab::bvh {
+
+constinit const Kernel kKernelSse42 = make_kernel("sse4.2");
+
+}  // namespace raylab::bvh

@@ -1,0 +1,214 @@
+#pragma once
+// Ray against triangles, over the number type F: one ray and a triangle a lane, one triangle and a ray a lane, or a ray
+// and a triangle of its own in each lane. Sums of products are never contracted (-ffp-contract=off) and the order of
+// operations is fixed, so all of these, and all instruction sets, give the same hits to the bit.
+#include "core/simd/lanes.hpp"
+
+namespace raylab {
+namespace {
+
+// --- Möller and Trumbore 1997 (JGT 2:1) -------------------------------------------------------------------------------
+
+template <class F>
+struct MoellerTrumboreHit {
+  F t, u, v;
+  MaskOf<F> inside;  ///< the line meets the triangle
+};
+
+/// Determinants not above `smallest_determinant` in size count as a miss: the book's has 1e-8, whatever the scale.
+template <class F>
+MoellerTrumboreHit<F> moeller_trumbore(const Vec3<F>& origin, const Vec3<F>& direction, const Vec3<F>& p0,
+                                       const Vec3<F>& p1, const Vec3<F>& p2, float smallest_determinant) {
+  constexpr bool scalar = std::is_same_v<F, float>;  // a single ray leaves early, as in the paper
+  const Vec3<F> e1 = p1 - p0, e2 = p2 - p0;
+  const Vec3<F> p = cross(direction, e2);
+  const F det = dot(e1, p);
+  MoellerTrumboreHit<F> hit{};
+  hit.inside = F(smallest_determinant) < abs(det);
+  if (scalar && !any(hit.inside)) return hit;
+  const F inv_det = F(1.0f) / det;
+  const Vec3<F> s = origin - p0;
+  hit.u = dot(s, p) * inv_det;
+  hit.inside = hit.inside & (F(0.0f) <= hit.u) & (hit.u <= F(1.0f));
+  if (scalar && !any(hit.inside)) return hit;
+  const Vec3<F> q = cross(s, e1);
+  hit.v = dot(direction, q) * inv_det;
+  hit.inside = hit.inside & (F(0.0f) <= hit.v) & (hit.u + hit.v <= F(1.0f));
+  if (scalar && !any(hit.inside)) return hit;
+  hit.t = dot(e2, q) * inv_det;
+  return hit;
+}
+
+// --- Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection" (JCGT 2:1) --------------------------------------
+//
+// The sheared vertices depend on the ray and the vertex alone, so two triangles evaluate a shared edge on the same
+// numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals never turn a sign around,
+// they can only lose it; then double decides. All of this falls if products and sums are contracted.
+
+/// Which component of a vector is the ray's z, the largest of its direction; x and y follow it in cyclic order. (Woop
+/// and others swap x and y where the direction is negative, which turns all three edge functions around and changes no
+/// answer.) Of one ray, by index; of a vector of rays, by masks.
+template <class F>
+class AxisOrder {
+ public:
+  AxisOrder() = default;
+  explicit AxisOrder(const Vec3<F>& direction) {
+    const Vec3<F> size = abs(direction);
+    const MaskOf<F> x_over_y = size.x > size.y;
+    z_is_x_ = x_over_y & (size.x > size.z);
+    z_is_y_ = (!x_over_y) & (size.y > size.z);
+  }
+  F x_of(const Vec3<F>& v) const { return select(z_is_x_, v.y, select(z_is_y_, v.z, v.x)); }
+  F y_of(const Vec3<F>& v) const { return select(z_is_x_, v.z, select(z_is_y_, v.x, v.y)); }
+  F z_of(const Vec3<F>& v) const { return select(z_is_x_, v.x, select(z_is_y_, v.y, v.z)); }
+
+ private:
+  MaskOf<F> z_is_x_, z_is_y_;
+};
+template <>
+class AxisOrder<float> {
+ public:
+  explicit AxisOrder(const Vec3<float>& direction) {
+    const Vec3<float> size = abs(direction);
+    // Without branches: the largest component is a guess to a processor.
+    const int x_over_y = size.x > size.y ? 1 : 0;
+    const int z_is_x = x_over_y & (size.x > size.z ? 1 : 0);
+    const int z_is_y = (x_over_y ^ 1) & (size.y > size.z ? 1 : 0);
+    kz = 2 - 2 * z_is_x - z_is_y;
+    kx = z_is_y != 0 ? 2 : z_is_x;
+    ky = 3 - kx - kz;
+  }
+  float x_of(const Vec3<float>& v) const { return (&v.x)[kx]; }
+  float y_of(const Vec3<float>& v) const { return (&v.x)[ky]; }
+  float z_of(const Vec3<float>& v) const { return (&v.x)[kz]; }
+
+  int kx, ky, kz;
+};
+
+/// What the watertight test needs of a ray: the order of axes and the shear that turn its direction into +z.
+template <class F>
+struct ShearedRay {
+  AxisOrder<F> axes;
+  F shear_x, shear_y;  ///< at most 1 in size
+  F direction_z;
+
+  ShearedRay() = default;
+  explicit ShearedRay(const Vec3<F>& direction) : axes(direction), direction_z(axes.z_of(direction)) {
+    shear_x = axes.x_of(direction) / direction_z;
+    shear_y = axes.y_of(direction) / direction_z;
+  }
+};
+
+/// A vertex, of which the origin was taken away and the axes put in order, in the ray's space: the ray goes along the
+/// z axis, z in the units of the scene.
+template <class F>
+Vec3<F> sheared(const F& x, const F& y, const F& z, const F& shear_x, const F& shear_y) {
+  return {x - shear_x * z, y - shear_y * z, z};
+}
+template <class F>
+Vec3<F> to_ray_space(const ShearedRay<F>& ray, const Vec3<F>& from_origin) {
+  return sheared(ray.axes.x_of(from_origin), ray.axes.y_of(from_origin), ray.axes.z_of(from_origin), ray.shear_x,
+                 ray.shear_y);
+}
+
+/// Twice the signed areas opposite the vertices a, b and c.
+template <class F>
+struct EdgeFunctions {
+  F u, v, w;
+};
+template <class F>
+EdgeFunctions<F> edge_functions(const F& ax, const F& ay, const F& bx, const F& by, const F& cx, const F& cy) {
+  return {cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax};
+}
+/// Whether two of them differ in sign: then the ray passes the triangle by.
+template <class F>
+MaskOf<F> differ_in_sign(const EdgeFunctions<F>& e) {
+  return (min(e.w, min(e.v, e.u)) < F(0.0f)) & (F(0.0f) < max(e.w, max(e.v, e.u)));
+}
+
+/// The edge functions err by roundings of max|z| max|x, y|, so t errs by roundings of
+///   slope = max|z| max|x, y| (extent of the triangle along z) / (|z| det),
+/// which for a triangle far away is how steeply it stands against the ray. Up to kTrustedSlope t is taken as it is, a
+/// few roundings off: beyond, one hit in ten, it is computed again in double. Of a t below 0 only the sign matters,
+/// which is right up to kTrustedSignSlope: so a ray that leaves a triangle, as every scattered one does, needs no
+/// double for it.
+constexpr float kTrustedSlope = 3.0f;
+constexpr float kTrustedSignSlope = 0x1p19f;
+/// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory. Where that
+/// decides on which side of the limit it is, t need not be computed again. Below kSmallestError the slope's own rounding
+/// would count.
+constexpr float kRoughError = 0x1p-18f;
+constexpr float kSmallestError = 0x1p-100f;
+
+/// Where a ray meets the plane of a triangle inside whose edges it passes.
+template <class F>
+struct WatertightHit {
+  F t, beta, gamma;   ///< beta and gamma are the weights of b and c
+  MaskOf<F> sure;     ///< floats decide that it is inside; else in_double() must
+  MaskOf<F> precise;  ///< t is within a few roundings; else plane_distance() has it
+  F error, depth;     ///< error / depth is the slope
+};
+
+/// From the edge functions, the vertices' z, and the largest |x| and |y| of all three. Interpolates from a: the error
+/// of z is then small where the triangle is.
+template <class F>
+WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F& bz, const F& cz, const F& xy_size,
+                                const F& direction_z) {
+  WatertightHit<F> hit;
+  const F det = e.u + e.v + e.w;
+  const F inv_det = F(1.0f) / det;
+  hit.beta = e.v * inv_det;
+  hit.gamma = e.w * inv_det;
+  const F ab = bz - az, ac = cz - az;
+  const F z = az + hit.beta * ab + hit.gamma * ac;
+  hit.t = z / direction_z;
+  const F size = abs(det);
+  const F z_size = max(abs(az), max(abs(bz), abs(cz)));
+  hit.error = z_size * (max(abs(ab), abs(ac)) * xy_size);
+  hit.depth = abs(z) * size;
+  // Outside these bounds (NaN included) the flushed parts of the products, or 1 / det, would count.
+  hit.sure = (F(0x1p-100f) < size) & (size < F(0x1p120f)) & (e.u != F(0.0f)) & (e.v != F(0.0f)) & (e.w != F(0.0f));
+  hit.precise = (hit.error < F(kTrustedSlope) * hit.depth) |
+                ((hit.t < F(0.0f)) & (hit.error < F(kTrustedSignSlope) * hit.depth));
+  return hit;
+}
+
+/// Whether it is certain on which side of the limit a hit lies, although its t is not precise: beyond it or, if any hit
+/// will do, within the interval.
+template <bool any_hit, class F>
+MaskOf<F> side_is_certain(const WatertightHit<F>& hit, const F& t_min, const F& limit) {
+  const F margin = max(hit.error, F(kSmallestError)) * F(kRoughError) * abs(hit.t);
+  const MaskOf<F> beyond = margin < (hit.t - limit) * hit.depth;
+  if constexpr (!any_hit) return beyond;
+  return beyond | ((margin < (limit - hit.t) * hit.depth) & (margin < (hit.t - t_min) * hit.depth));
+}
+
+/// Below this share of the sizes of its terms the sine between ray and plane is so small that the line, which the edge
+/// functions know up to roundings of floats, may meet the plane outside the triangle.
+constexpr double kDoubtfulFacing = 0x1p-12;
+
+/// Distance to the plane of a triangle, in double from the vertices as they are; where the ray runs nearly along the
+/// plane, kept within the distances of the vertices, and `otherwise` where it runs along it.
+template <class F>
+F plane_distance(const AxisOrder<F>& axes, const Vec3<F>& origin, const Vec3<F>& direction, const Vec3<F>& p0,
+                 const Vec3<F>& p1, const Vec3<F>& p2, const F& otherwise) {
+  using D = DoubleOf<F>;
+  const Vec3<D> a(p0);
+  const Vec3<D> n = cross(Vec3<D>(p1) - a, Vec3<D>(p2) - a);
+  const Vec3<D> facings = Vec3<D>(direction) * n;
+  const D facing = facings.x + facings.y + facings.z;
+  const D t = dot(a - Vec3<D>(origin), n) / facing;
+  const Vec3<D> sizes = abs(facings);
+  const auto doubtful = !(D(kDoubtfulFacing) * (sizes.x + sizes.y + sizes.z) < abs(facing));
+  if (!any(doubtful)) [[likely]]
+    return to_float(t);
+  const D origin_z(axes.z_of(origin)), direction_z(axes.z_of(direction));
+  const auto at = [&](const Vec3<F>& p) { return (D(axes.z_of(p)) - origin_z) / direction_z; };
+  const D t0 = at(p0), t1 = at(p1), t2 = at(p2);
+  const D kept = min(max(max(t0, t1), t2), max(min(min(t0, t1), t2), t));
+  const auto along = !((facing < D(0.0)) | (D(0.0) < facing));
+  return select(doubtful, select(along, otherwise, to_float(kept)), to_float(t));
+}
+
+}  // namespace
+}  // namespace raylab
