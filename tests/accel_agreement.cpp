@@ -46,6 +46,40 @@ TEST_CASE("every accelerator answers a batch as it answers its rays one by one",
   }
 }
 
+TEST_CASE("Embree agrees with testing all primitives, and meets what exact meets, however it is built",
+          "[agreement]") {
+  const FlushDenormals flush;
+  const Geometry geometry = mixed();
+  const auto exact = make_accelerator("exact", geometry);
+  for (const char* name : {"embree", "embree-robust"}) {
+    for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
+      for (const bool compact : {false, true}) {
+        const AcceleratorOptions options{.quality = quality, .compact = compact};
+        INFO(name << " " << quality_name(quality) << (compact ? " compact" : ""));
+        passes_agreement(name, options, 1, [&](const auto& scene, const auto& report) {
+          INFO(scene.name << ": " << to_string(report));
+          CHECK(report.agrees());
+        });
+        const auto tested = make_accelerator(name, geometry, options);
+        const std::vector<Ray> rays = random_rays(geometry.bounds(), 10'000, 19);
+        std::size_t other_presence = 0;
+        for (const Ray& ray : rays) other_presence += tested->occluded(ray) != exact->occluded(ray);
+        CHECK(other_presence == 0);
+      }
+    }
+  }
+}
+
+TEST_CASE("Embree's build quality and compactness reach it: trees differ in size", "[unit]") {
+  const Geometry geometry{{triangle_soup(2000, 1.0f, 0.4f, 7)}, {}};
+  const auto bytes = [&](const AcceleratorOptions& options) {
+    return make_accelerator("embree", geometry, options)->build_report().bytes;
+  };
+  CHECK(bytes({.quality = BuildQuality::best}) > bytes({.quality = BuildQuality::balanced}));
+  CHECK(bytes({.quality = BuildQuality::fast}) != bytes({.quality = BuildQuality::balanced}));
+  CHECK(bytes({.compact = true}) < bytes({}));
+}
+
 TEST_CASE("the book's and the fast triangle test meet the same well-scaled triangles as the watertight one",
           "[agreement]") {
   for (const char* name : {"list", "rtiow"}) {

@@ -1,6 +1,5 @@
 // `exact` against its own test on every primitive, and the others against `exact`.
 #include "catch.hpp"
-#include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/geometry/exact.hpp"
 #include "raylab/measure/judge.hpp"
@@ -63,14 +62,6 @@ TEST_CASE("exact gives the hits of its test on every primitive, bit for bit", "[
       ray.t_max = expected->t;  // its exact t may lie on either side
       REQUIRE(exact->intersect(ray) == hit_without_tree(mixed, ray));
     }
-  }
-}
-
-TEST_CASE("exact takes none of the options of others", "[unit]") {
-  for (const AcceleratorOptions& options :
-       {AcceleratorOptions{.intersector = Intersector::book}, AcceleratorOptions{.quality = BvhQuality::fast},
-        AcceleratorOptions{.isa = Isa::sse42}}) {
-    CHECK_THROWS_AS(make_accelerator("exact", {}, options), Error);
   }
 }
 

@@ -48,10 +48,51 @@ TEST_CASE("intersectors are known by their names and no others", "[unit]") {
   CHECK(contains(usage_error([] { parse_intersector("watertigth"); }), "Did you mean 'watertight'"));
 }
 
-TEST_CASE("an option an accelerator does not take is a usage error that names it", "[unit]") {
-  for (const char* name : {"embree", "embree-robust"}) {
-    CHECK(contains(usage_error([&] { make_accelerator(name, {}, {Intersector::fast, 0}); }), "--intersector"));
+TEST_CASE("every built-in accelerator takes what its capabilities say, and refuses the rest by name", "[unit]") {
+  using Capabilities = AcceleratorCapabilities;
+  struct Choice {
+    const char* option;
+    bool Capabilities::*taken;
+    AcceleratorOptions options;
+  };
+  std::vector<Choice> choices{{"--isa", &Capabilities::takes_isa, {.isa = Isa::sse42}},
+                              {"--compact", &Capabilities::takes_compact, {.compact = true}}};
+  for (const Intersector i : {Intersector::book, Intersector::fast, Intersector::watertight}) {
+    choices.push_back({"--intersector", &Capabilities::takes_intersector, {.intersector = i}});
   }
+  for (const BuildQuality q : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
+    choices.push_back({"--quality", &Capabilities::takes_quality, {.quality = q}});
+  }
+  const Geometry geometry{{icosphere(vec3(0.0f), 1.0f, 2)}, {}};
+  for (const char* name : {"list", "rtiow", "bvh", "embree", "embree-robust", "exact"}) {
+    const AcceleratorEntry& entry = find_accelerator(name);
+    for (const Choice& choice : choices) {
+      INFO(name << " " << choice.option);
+      if (entry.capabilities.*choice.taken) {
+        CHECK(make_accelerator(name, geometry, choice.options)->occluded({{0.03f, 0.1f, -2}, {0.01f, 0.02f, 1}}));
+        continue;
+      }
+      const std::string message = usage_error([&] { make_accelerator(name, geometry, choice.options); });
+      CHECK(contains(message, choice.option));
+      CHECK(contains(message, name));
+      CHECK_NOTHROW(make_accelerator(name, geometry, options_taken(entry, choice.options)));
+    }
+  }
+}
+
+TEST_CASE("what a registration does not say it is capable of is passed on, for the accelerator to judge",
+          "[unit]") {
+  static AcceleratorOptions given;
+  static const RegisterAccelerator registered{
+      {"test-judge", "takes what it likes", [](const Geometry& geometry, const AcceleratorOptions& options) {
+         given = options;
+         if (options.isa) throw Error(ErrorKind::usage, "--isa", "not here");
+         return make_accelerator("list", geometry, {options.intersector});
+       }}};
+  make_accelerator("test-judge", {}, {.intersector = Intersector::fast, .quality = BuildQuality::best});
+  CHECK(given.intersector == Intersector::fast);
+  CHECK(given.quality == BuildQuality::best);
+  CHECK(contains(usage_error([] { make_accelerator("test-judge", {}, {.isa = Isa::sse42}); }), "not here"));
 }
 
 TEST_CASE("a registered accelerator can be made by its name, and a name is taken only once", "[unit]") {

@@ -23,7 +23,7 @@ std::vector<Ray> rays_into(const Geometry& geometry, std::size_t count) {
 void check_depth_and_hits(const std::string& what, const Geometry& geometry, std::size_t rays) {
   const FlushDenormals flush;
   const auto judge = make_accelerator("list", geometry);
-  for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {
+  for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
     const auto bvh = make_accelerator("bvh", geometry, {.quality = quality});
     INFO(what << ", " << quality_name(quality) << ", depth " << bvh->build_report().depth);
     CHECK(bvh->build_report().primitives == geometry.primitive_count());
@@ -91,7 +91,7 @@ TEST_CASE("bvh builds the same tree with any number of threads", "[unit]") {
   const Geometry geometry{{triangle_soup(30000, 1.0f, 0.05f, 1), icosphere(vec3(0.2f), 0.5f, 5)},
                           sphere_soup(5000, 1.0f, 0.02f, 1)};
   const std::vector<Ray> rays = rays_into(geometry, 2000);
-  for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {
+  for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
     const auto single = make_accelerator("bvh", geometry, {.threads = 1, .quality = quality});
     for (const int threads : {2, 3, 8}) {
       const auto several = make_accelerator("bvh", geometry, {.threads = threads, .quality = quality});
@@ -111,8 +111,8 @@ TEST_CASE("the best tree of bvh moves subtrees to where they cost less", "[unit]
   const std::vector<Sphere> large = sphere_soup(500, 1.0f, 0.5f, 2);
   spheres.insert(spheres.end(), large.begin(), large.end());
   const Geometry geometry{{}, spheres};
-  const auto balanced = make_accelerator("bvh", geometry, {.quality = BvhQuality::balanced});
-  const auto best = make_accelerator("bvh", geometry, {.quality = BvhQuality::best});
+  const auto balanced = make_accelerator("bvh", geometry, {.quality = BuildQuality::balanced});
+  const auto best = make_accelerator("bvh", geometry, {.quality = BuildQuality::best});
   CHECK(best->build_report().sah_cost < 0.98 * balanced->build_report().sah_cost);
   for (const Ray& ray : rays_into(geometry, 5000)) REQUIRE(best->intersect(ray) == balanced->intersect(ray));
 }
@@ -122,8 +122,8 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
   const Geometry geometry{{triangle_soup(20000, 1.0f, 0.01f, 1), triangle_soup(500, 1.0f, 1.0f, 2)},
                           sphere_soup(100, 1.0f, 0.1f, 3)};
   const auto list = make_accelerator("list", geometry);
-  const auto balanced = make_accelerator("bvh", geometry, {.quality = BvhQuality::balanced});
-  const auto best = make_accelerator("bvh", geometry, {.quality = BvhQuality::best});
+  const auto balanced = make_accelerator("bvh", geometry, {.quality = BuildQuality::balanced});
+  const auto best = make_accelerator("bvh", geometry, {.quality = BuildQuality::best});
   CHECK(best->build_report().sah_cost < 0.7 * balanced->build_report().sah_cost);
   CHECK(best->build_report().primitives == geometry.primitive_count());
   CHECK(best->build_report().bytes < 1.35 * static_cast<double>(balanced->build_report().bytes));
@@ -172,7 +172,7 @@ TEST_CASE(
     const bool is_held = glm::all(glm::lessThan(boxes[1].lower, boxes[0].lower)) &&
                          glm::all(glm::lessThan(boxes[0].upper, boxes[1].upper));
     if (!is_parted && !is_held) continue;
-    const bvh::WideTree tree = bvh::build_wide_tree({{}, spheres}, BvhQuality::balanced);
+    const bvh::WideTree tree = bvh::build_wide_tree({{}, spheres}, BuildQuality::balanced);
     REQUIRE(bvh::ref_kind(tree.root) == bvh::RefKind::node);
     const auto& node = reinterpret_cast<const bvh::Node&>(tree.lines[bvh::ref_index(tree.root)]);
     for (const Ray& ray : random_rays({vec3(-2.0f), vec3(2.0f)}, 200, static_cast<std::uint64_t>(pair))) {
@@ -192,8 +192,8 @@ TEST_CASE(
 TEST_CASE("bvh follows the surface area heuristic but for the fast tree", "[unit]") {
   const FlushDenormals flush;
   const Geometry geometry{{triangle_soup(20000, 1.0f, 0.01f, 1), triangle_soup(500, 1.0f, 0.3f, 2)}, {}};
-  const auto fast = make_accelerator("bvh", geometry, {.quality = BvhQuality::fast});
-  const auto balanced = make_accelerator("bvh", geometry, {.quality = BvhQuality::balanced});
+  const auto fast = make_accelerator("bvh", geometry, {.quality = BuildQuality::fast});
+  const auto balanced = make_accelerator("bvh", geometry, {.quality = BuildQuality::balanced});
   CHECK(balanced->build_report().sah_cost < 0.95 * fast->build_report().sah_cost);
   for (const Ray& ray : rays_into(geometry, 5000)) REQUIRE(fast->intersect(ray) == balanced->intersect(ray));
 }
@@ -230,15 +230,11 @@ TEST_CASE("bvh needs no more memory for triangles that share nothing than their 
   CHECK(make_accelerator("bvh", soup)->build_report().bytes < 50000u * 72u);
 }
 
-TEST_CASE("the options of bvh have names, and no other accelerator takes them", "[unit]") {
+TEST_CASE("the options of bvh have names", "[unit]") {
   for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) CHECK(parse_isa(isa_name(isa)) == isa);
-  for (const BvhQuality quality : {BvhQuality::fast, BvhQuality::balanced, BvhQuality::best}) {
+  for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
     CHECK(parse_quality(quality_name(quality)) == quality);
   }
   CHECK_THROWS(parse_isa("mmx"));
   CHECK_THROWS(parse_quality("good"));
-  for (const char* name : {"list", "rtiow", "embree", "embree-robust"}) {
-    CHECK_THROWS(make_accelerator(name, {}, {.isa = Isa::sse42}));
-    CHECK_THROWS(make_accelerator(name, {}, {.quality = BvhQuality::fast}));
-  }
 }

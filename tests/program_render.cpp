@@ -153,6 +153,22 @@ TEST_CASE("every built-in accelerator can be chosen by name", "[cli]") {
   CHECK(raylab_render({small.scene, "-o", small.output, "--accel", "list", "--intersector", "fast"}).exit_code == 0);
 }
 
+TEST_CASE("the build quality has an old name, which the help does not show", "[cli]") {
+  const SmallScene small;
+  const std::string stats = small.output + ".json";
+  for (const std::string option : {"--quality", "--bvh-quality"}) {
+    REQUIRE(raylab_render({small.scene, "-o", small.output, "--accel", "embree", "--compact", option, "best",
+                           "--stats", stats, "--quiet"})
+                .exit_code == 0);
+    const auto json = nlohmann::json::parse(read_text(stats));
+    CHECK(json["quality"] == "best");
+    CHECK(json["compact"] == true);
+  }
+  const std::string help = raylab_render({"--help"}).out;
+  CHECK(help.find("--quality") != std::string::npos);
+  CHECK(help.find("--bvh-quality") == std::string::npos);
+}
+
 TEST_CASE("without -o the picture has the name of the scene", "[cli]") {
   const TempFolder folder;
   // The program is started in the folder the tests run in; a relative scene name there would litter it.
@@ -182,7 +198,9 @@ TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {
   small.expect_failure(2, {"--intersector", "sloppy"}, {"--accel", "list", "--intersector", "sloppy"});
   small.expect_failure(2, {"--intersector"}, {"--accel", "embree", "--intersector", "fast"});
   small.expect_failure(2, {"--isa", "mmx"}, {"--accel", "bvh", "--isa", "mmx"});
-  small.expect_failure(2, {"--bvh-quality"}, {"--accel", "embree", "--bvh-quality", "best"});
+  small.expect_failure(2, {"--quality", "bvh, embree, embree-robust"}, {"--accel", "list", "--quality", "best"});
+  small.expect_failure(2, {"--quality", "good"}, {"--quality", "good"});
+  small.expect_failure(2, {"--compact", "embree, embree-robust"}, {"--compact"});
   small.expect_failure(2, {"--integrator", "magic"}, {"--integrator", "magic"});
   small.expect_failure(2, {"--sampler", "dice"}, {"--sampler", "dice"});
   small.expect_failure(2, {"--spp"}, {"--spp", "0"});

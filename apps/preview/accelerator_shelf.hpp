@@ -14,15 +14,17 @@ namespace raylab {
 /// The accelerators of one scene, each built when first asked for and then kept. Safe from many threads.
 class AcceleratorShelf {
  public:
-  /// The geometry must outlive the shelf, unchanged.
-  explicit AcceleratorShelf(const Geometry& geometry) : geometry_(geometry) {}
+  /// The geometry must outlive the shelf, unchanged. Of the options each accelerator is given those it takes.
+  explicit AcceleratorShelf(const Geometry& geometry, const AcceleratorOptions& options = {})
+      : geometry_(geometry), options_(options) {}
 
   /// Builds it where need be, which may take seconds. Throws Error (usage) for an unknown name.
   const Accelerator& get(const std::string& name) {
     if (const Accelerator* there = find(name)) return *there;
     const std::lock_guard building(building_);
     if (const Accelerator* there = find(name)) return *there;
-    std::unique_ptr<Accelerator> made = make_accelerator(name, geometry_);
+    const AcceleratorEntry& entry = find_accelerator(name);
+    std::unique_ptr<Accelerator> made = entry.make(geometry_, options_taken(entry, options_));
     const std::lock_guard lock(mutex_);
     return *(made_[name] = std::move(made));
   }
@@ -47,6 +49,7 @@ class AcceleratorShelf {
 
  private:
   const Geometry& geometry_;
+  const AcceleratorOptions options_;
   std::mutex building_;  // held while one is built: two at once would slow each other down
   mutable std::mutex mutex_;
   std::map<std::string, std::unique_ptr<Accelerator>> made_;

@@ -41,7 +41,7 @@ bool FirstSurfaces::update(const CameraSettings& camera, int width, int height) 
   sought_ = seen(camera, width, height);
   // With one that is fast, whichever traces the picture: the slow ones would take minutes.
   finding_ = std::async(std::launch::async, [this, camera, width, height] {
-    return first_depths(shelf_.get("bvh"), camera, width, height);
+    return first_depths(shelf_.get(kDefaultAccelerator), camera, width, height);
   });
   return came;
 }

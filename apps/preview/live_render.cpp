@@ -19,15 +19,15 @@ constexpr double kSnapshotShare = 0.1;
 constexpr int kSnapshotRows = 8;
 constexpr int kCoarsest = 32;
 // Small units of work end soon after they are asked to: 16 x 16 pixels at one sample are one batch of paths, some
-// milliseconds. The accelerators that test every primitive take far longer for the same.
+// milliseconds. Accelerators that the scene is too large for take far longer for the same.
 constexpr int kTile = 16;
 constexpr int kSlowTile = 2;
 constexpr std::uint32_t kPassSamples = 1;
 
-bool is_slow(const std::string& accel) { return accel == "list" || accel == "exact"; }
-
-RenderOptions for_live(RenderOptions options, const std::string& accel) {
-  options.tile_size = is_slow(accel) ? kSlowTile : kTile;
+RenderOptions for_live(RenderOptions options, const std::string& accel, const Geometry& geometry) {
+  const AcceleratorCapabilities& can = find_accelerator(accel).capabilities;
+  const bool is_slow = can.is_exact || geometry.primitive_count() > can.largest_primitives;
+  options.tile_size = is_slow ? kSlowTile : kTile;
   options.pass_samples = options.most_pass_samples = kPassSamples;
   return options;
 }
@@ -181,7 +181,7 @@ std::unique_ptr<RenderSession> LiveRender::session(const TraceRequest& request, 
 }
 
 Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number) {
-  RenderOptions options = for_live(request.options, request.accel);
+  RenderOptions options = for_live(request.options, request.accel, scene_.geometry);
   options.width = coarse_size(request.options.width, coarseness_);
   options.height = coarse_size(request.options.height, coarseness_);
   options.crop.reset();
@@ -215,7 +215,7 @@ Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& a
 void LiveRender::trace_all(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number,
                            const Image& coarse) {
   const Stopwatch watch;
-  const auto all = session(request, accelerator, for_live(request.options, request.accel));
+  const auto all = session(request, accelerator, for_live(request.options, request.accel, scene_.geometry));
   all->start();
   double next = kFirstPictureSeconds;
   for (bool ended = false; !ended;) {

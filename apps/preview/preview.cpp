@@ -43,14 +43,6 @@ bool same_view(const TraceRequest& a, const TraceRequest& b) {
   return view(a) == view(b) && a.accel == b.accel;
 }
 
-const std::string& checked_accel(const std::string& name) {
-  const auto names = accelerator_names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return name;
-  std::string known;
-  for (const std::string& n : names) known += (known.empty() ? "" : ", ") + n;
-  throw Error(ErrorKind::usage, "--accel", "found \"" + name + "\", expected one of " + known);
-}
-
 }  // namespace
 
 Preview::Preview(const PreviewCommand& command, LoadedScene& loaded)
@@ -58,8 +50,8 @@ Preview::Preview(const PreviewCommand& command, LoadedScene& loaded)
       scene_(loaded.scene),
       options_(preview_render_options(command, loaded.scene)),
       camera_file_(command.scene),
-      shelf_(scene_.geometry),
-      explorer_(scene_, scene_.camera, camera_file_, shelf_, accelerator_names(), checked_accel(command.accel)),
+      shelf_(scene_.geometry, accelerator_options(command)),
+      explorer_(scene_, scene_.camera, camera_file_, shelf_, accelerator_names(), command.accel),
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),
       raster_(scene_),
       hud_(window_.handle()),

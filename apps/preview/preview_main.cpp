@@ -15,6 +15,7 @@ namespace {
 int preview(const PreviewCommand& command) {
   (void)parse_integrator(command.integrator);
   (void)parse_sampler(command.sampler);
+  check_options(find_accelerator(command.accel), accelerator_options(command));
   if (!command.screenshot.empty()) check_writable_image(command.screenshot);
   const WindowSystem windows;  // first: where there is no display, the scene need not be loaded
   const ThreadLimit limit(command.threads);

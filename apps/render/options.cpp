@@ -36,6 +36,11 @@ std::string command_line(const std::string& program, int argc, char** argv) {
 void add_picture_options(CLI::App& app, PictureCommand& command) {
   app.add_option("--accel", command.accel, "Accelerator by name, see raylab-render --list-accels")
       ->capture_default_str();
+  app.add_option("--quality", command.quality,
+                 "How much building may cost, of bvh and Embree: fast (less time, a worse tree), balanced (the "
+                 "default) or best (several times the time, for scenes of large or long triangles)");
+  app.add_option("--bvh-quality", command.quality)->group("");  // the old name, not shown
+  app.add_flag("--compact", command.compact, "A tree of Embree that takes less memory, and more time");
   app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
   app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
   app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
@@ -80,9 +85,6 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   add_picture_options(app, command);
   app.add_option("--intersector", command.intersector,
                  "Triangle test of the hand-written accelerators: book, fast or watertight");
-  app.add_option("--bvh-quality", command.bvh_quality,
-                 "Builder of bvh: fast (two thirds of the time, a worse tree), balanced (the default) or best "
-                 "(several times the time, for scenes of large or long triangles)");
   app.add_option("--isa", command.isa,
                  "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
   app.add_option("--ray-offset", command.ray_offset,
@@ -136,6 +138,14 @@ PixelRect parse_crop(const std::string& text) {
     throw Error(ErrorKind::usage, "--crop", "found \"" + text + "\", expected X,Y,WIDTH,HEIGHT in pixels");
   }
   return rect;
+}
+
+AcceleratorOptions accelerator_options(const PictureCommand& command) {
+  AcceleratorOptions options;
+  options.threads = command.threads;
+  if (!command.quality.empty()) options.quality = parse_quality(command.quality);
+  options.compact = command.compact;
+  return options;
 }
 
 RenderOptions session_options(const RenderCommand& command, const Scene& scene) {

@@ -16,7 +16,9 @@ namespace raylab {
 /// What raylab-render and raylab-preview both take: a scene, and how its picture is made.
 struct PictureCommand {
   std::string scene;
-  std::string accel = "bvh";
+  std::string accel = kDefaultAccelerator;
+  std::string quality;  ///< empty: the default
+  bool compact = false;
   std::string integrator = "path";
   std::string sampler = "sobol";
   std::optional<int> spp, width, height, max_depth;
@@ -28,6 +30,9 @@ struct PictureCommand {
 /// Adds the options of all that but the scene.
 void add_picture_options(CLI::App& app, PictureCommand& command);
 
+/// What the accelerator is to be built with. Throws Error (usage).
+AcceleratorOptions accelerator_options(const PictureCommand& command);
+
 /// Parses argv. False where there is nothing left to do: --help and --version, or a mistake, which is told.
 bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
 
@@ -35,7 +40,6 @@ bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
 struct RenderCommand : PictureCommand {
   std::vector<std::string> outputs;
   std::string intersector;
-  std::string bvh_quality;
   std::string isa;
   std::string ray_offset = "bounds";
   std::string needs = "scene";

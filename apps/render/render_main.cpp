@@ -94,6 +94,10 @@ int render(const RenderCommand& command) {
   // Known before the work starts, and not after: names of options, and files that cannot be written.
   (void)parse_integrator(command.integrator);
   (void)parse_sampler(command.sampler);
+  AcceleratorOptions accel_options = accelerator_options(command);
+  if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
+  if (!command.isa.empty()) accel_options.isa = parse_isa(command.isa);
+  check_options(find_accelerator(command.accel), accel_options);
   if (!command.check) {
     for (const auto& file : outputs) check_writable_image(file);
     if (!command.stats_file.empty()) check_writable(command.stats_file);
@@ -112,11 +116,6 @@ int render(const RenderCommand& command) {
     return 0;
   }
 
-  AcceleratorOptions accel_options;
-  accel_options.threads = command.threads;
-  if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
-  if (!command.bvh_quality.empty()) accel_options.quality = parse_quality(command.bvh_quality);
-  if (!command.isa.empty()) accel_options.isa = parse_isa(command.isa);
   const std::unique_ptr<Accelerator> accelerator = make_accelerator(command.accel, scene.geometry, accel_options);
 
   const InterruptGuard guard;

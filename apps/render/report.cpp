@@ -53,8 +53,11 @@ std::string check_text(const LoadedScene& loaded, double load_seconds) {
 std::string report_text(const RenderReport& r) {
   const RenderStats& s = r.stats;
   std::string text = scene_text(r.loaded, r.load_seconds);
-  text += format("accel      %s%s%s: built in %.3f s, %.1f MiB, %zu primitives", r.command.accel.c_str(),
-                 r.command.intersector.empty() ? "" : ", ", r.command.intersector.c_str(), r.build.seconds,
+  std::string accel = r.command.accel;
+  if (!r.command.intersector.empty()) accel += ", " + r.command.intersector;
+  if (!r.command.quality.empty()) accel += ", " + r.command.quality + " quality";
+  if (r.command.compact) accel += ", compact";
+  text += format("accel      %s: built in %.3f s, %.1f MiB, %zu primitives", accel.c_str(), r.build.seconds,
                  mebibytes(r.build.bytes), r.build.primitives);
   if (r.build.invalid_primitives > 0) text += format(" (%zu invalid left out)", r.build.invalid_primitives);
   if (!r.build.isa.empty()) text += ", " + r.build.isa;
@@ -96,6 +99,8 @@ std::string report_json(const RenderReport& r) {
   json["load_seconds"] = r.load_seconds;
   json["accel"] = r.command.accel;
   if (!r.command.intersector.empty()) json["intersector"] = r.command.intersector;
+  if (!r.command.quality.empty()) json["quality"] = r.command.quality;
+  if (r.command.compact) json["compact"] = true;
   json["isa"] = r.build.isa;
   json["build_seconds"] = r.build.seconds;
   json["bytes"] = r.build.bytes;

@@ -20,10 +20,10 @@ std::vector<Step> steps() {
       {"2 flat nodes", "flat", make_flat, {}},
       {"3 surface areas", "heuristic", make_heuristic, {}},
       {"4 wide nodes", "wide", make_wide, {}},
-      {"5 SIMD leaves", "bvh", {}, {.intersector = Intersector::book, .quality = BvhQuality::balanced}},
-      {"6 watertight", "bvh", {}, {.intersector = Intersector::watertight, .quality = BvhQuality::balanced}},
-      {"7 fast tree", "bvh", {}, {.intersector = Intersector::watertight, .quality = BvhQuality::fast}},
-      {"8 best tree", "bvh", {}, {.intersector = Intersector::watertight, .quality = BvhQuality::best}},
+      {"5 SIMD leaves", "bvh", {}, {.intersector = Intersector::book, .quality = BuildQuality::balanced}},
+      {"6 watertight", "bvh", {}, {.intersector = Intersector::watertight, .quality = BuildQuality::balanced}},
+      {"7 fast tree", "bvh", {}, {.intersector = Intersector::watertight, .quality = BuildQuality::fast}},
+      {"8 best tree", "bvh", {}, {.intersector = Intersector::watertight, .quality = BuildQuality::best}},
   };
 }
 

@@ -146,9 +146,24 @@ const std::string& embree_isa() {
   return isa;
 }
 
+/// Scenes with the robust or the compact flag are built by the surface area heuristic at high quality too: only
+/// others have their space split.
+RTCBuildQuality embree_quality(BuildQuality quality) {
+  switch (quality) {
+    case BuildQuality::fast:
+      return RTC_BUILD_QUALITY_LOW;
+    case BuildQuality::best:
+      return RTC_BUILD_QUALITY_HIGH;
+    case BuildQuality::balanced:
+      break;
+  }
+  return RTC_BUILD_QUALITY_MEDIUM;
+}
+
 class Embree final : public Accelerator {
  public:
-  Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
+  Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust)
+      : quality_(embree_quality(options.quality.value_or(BuildQuality::balanced))) {
     report_.isa = embree_isa();
     const Stopwatch watch;
     // A device that is told of threads would keep all of TBB to that number as long as it lives.
@@ -160,8 +175,9 @@ class Embree final : public Accelerator {
     rtcSetDeviceMemoryMonitorFunction(device_.get(), count_bytes, &bytes_);
     scene_.reset(rtcNewScene(device_.get()));
     check_device();
-    rtcSetSceneFlags(scene_.get(), robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_MEDIUM);
+    const int flags = (robust ? RTC_SCENE_FLAG_ROBUST : 0) | (options.compact ? RTC_SCENE_FLAG_COMPACT : 0);
+    rtcSetSceneFlags(scene_.get(), static_cast<RTCSceneFlags>(flags));
+    rtcSetSceneBuildQuality(scene_.get(), quality_);
 
     original_.resize(geometry.meshes.size() + 1);
     for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) add_mesh(geometry.meshes[m], m);
@@ -270,7 +286,7 @@ class Embree final : public Accelerator {
   }
 
   void attach(RTCGeometry geometry, std::uint32_t id) {
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetGeometryBuildQuality(geometry, quality_);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene_.get(), geometry, id);
   }
@@ -327,6 +343,7 @@ class Embree final : public Accelerator {
     return buffer;
   }
 
+  RTCBuildQuality quality_;
   int packet_size_ = 4;
   std::atomic<std::ptrdiff_t> bytes_{0};  // outlives the device, which counts into it
   Device device_;
@@ -336,22 +353,14 @@ class Embree final : public Accelerator {
   BuildReport report_;
 };
 
-std::unique_ptr<Accelerator> make(const Geometry& geometry, const AcceleratorOptions& options, bool robust) {
-  if (options.intersector) {
-    throw Error(ErrorKind::usage, "--intersector",
-                "Embree brings its own triangle test; list, rtiow and bvh take one");
-  }
-  return std::make_unique<Embree>(geometry, options, robust);
-}
-
 }  // namespace
 
 std::unique_ptr<Accelerator> make_embree(const Geometry& geometry, const AcceleratorOptions& options) {
-  return make(geometry, options, false);
+  return std::make_unique<Embree>(geometry, options, false);
 }
 
 std::unique_ptr<Accelerator> make_embree_robust(const Geometry& geometry, const AcceleratorOptions& options) {
-  return make(geometry, options, true);
+  return std::make_unique<Embree>(geometry, options, true);
 }
 
 }  // namespace raylab

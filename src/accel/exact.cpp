@@ -10,7 +10,6 @@
 #include "backends.hpp"
 #include "bvh/build/binary_tree.hpp"
 #include "bvh/layout/layout.hpp"
-#include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 
@@ -59,7 +58,7 @@ class ExactBvh final : public Accelerator {
   ExactBvh(const Geometry& geometry, int threads) : geometry_(geometry) {
     const Stopwatch watch;
     const ThreadLimit limit(threads);
-    tree_ = bvh::build_binary_tree(geometry, BvhQuality::balanced);
+    tree_ = bvh::build_binary_tree(geometry, BuildQuality::balanced);
     report_.primitives = tree_.primitives.size();
     report_.invalid_primitives = geometry.primitive_count() - tree_.primitives.size();
     report_.bytes = sizeof(*this) + tree_.primitives.bytes() + tree_.nodes.bytes();
@@ -146,9 +145,6 @@ class ExactBvh final : public Accelerator {
 }  // namespace
 
 std::unique_ptr<Accelerator> make_exact(const Geometry& geometry, const AcceleratorOptions& options) {
-  if (options.intersector) {
-    throw Error(ErrorKind::usage, "--intersector", "exact does not take it: it has one of its own");
-  }
   return std::make_unique<ExactBvh>(geometry, options.threads);
 }
 

@@ -10,15 +10,35 @@ namespace raylab {
 
 namespace {
 
+/// Beyond, testing every primitive takes minutes and tells nothing new.
+constexpr std::size_t kMostForBruteForce = 1000;
+
+/// Embree promises no equal bits of single rays and packets, and sometimes they are not.
+constexpr AcceleratorCapabilities kEmbree{
+    .judges_options = false, .takes_quality = true, .takes_compact = true, .batch_equals_single = false};
+
 /// Built on first use, so that registrations from other source files always follow the built-in ones.
 std::vector<AcceleratorEntry>& table() {
   static std::vector<AcceleratorEntry> entries = {
-      {"list", "tests every primitive", make_list},
-      {"rtiow", "the BVH of Ray Tracing: The Next Week, faults included", make_rtiow},
-      {"bvh", "Raylab's own wide BVH, watertight", make_bvh},
-      {"embree", "Intel Embree in its default, fast mode", make_embree},
-      {"embree-robust", "Intel Embree in its robust mode", make_embree_robust},
-      {"exact", "decides every hit in exact arithmetic: the judge, and slow", make_exact},
+      {"list",
+       "tests every primitive",
+       make_list,
+       {.judges_options = false, .takes_intersector = true, .largest_primitives = kMostForBruteForce}},
+      {"rtiow",
+       "the BVH of Ray Tracing: The Next Week, faults included",
+       make_rtiow,
+       {.judges_options = false, .takes_intersector = true}},
+      {"bvh",
+       "Raylab's own wide BVH, watertight",
+       make_bvh,
+       {.judges_options = false, .takes_intersector = true, .takes_quality = true, .takes_isa = true}},
+      {"embree", "Intel Embree in its default, fast mode", make_embree, kEmbree},
+      {"embree-robust", "Intel Embree in its robust mode; of best quality it splits no space", make_embree_robust,
+       kEmbree},
+      {"exact",
+       "decides every hit in exact arithmetic: the judge, and slow",
+       make_exact,
+       {.judges_options = false, .is_exact = true}},
   };
   return entries;
 }
@@ -60,10 +80,10 @@ constexpr std::array<Named<Intersector>, 3> kIntersectors = {{
     {Intersector::fast, "fast"},
     {Intersector::watertight, "watertight"},
 }};
-constexpr std::array<Named<BvhQuality>, 3> kQualities = {{
-    {BvhQuality::fast, "fast"},
-    {BvhQuality::balanced, "balanced"},
-    {BvhQuality::best, "best"},
+constexpr std::array<Named<BuildQuality>, 3> kQualities = {{
+    {BuildQuality::fast, "fast"},
+    {BuildQuality::balanced, "balanced"},
+    {BuildQuality::best, "best"},
 }};
 constexpr std::array<Named<Isa>, 3> kIsas = {{
     {Isa::sse42, "sse4.2"},
@@ -81,32 +101,50 @@ Choice parse(const char* option, std::string_view name, const std::array<Named<C
   throw_unknown(option, name, names);
 }
 
-/// Only `bvh` takes these; accelerators registered from elsewhere judge for themselves.
-void check_bvh_options(std::string_view name, const AcceleratorOptions& options) {
-  const auto refuse = [&](const char* option) {
-    throw Error(ErrorKind::usage, option, std::string(name) + " does not take it; bvh does");
-  };
-  if (options.quality) refuse("--bvh-quality");
-  if (options.isa) refuse("--isa");
-}
-
 }  // namespace
 
 std::span<const AcceleratorEntry> accelerators() { return table(); }
 
-std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geometry& geometry,
-                                              const AcceleratorOptions& options) {
+const AcceleratorEntry& find_accelerator(std::string_view name) {
   std::vector<std::string> names;
   for (const AcceleratorEntry& entry : table()) {
-    if (entry.name == name) {
-      if (name == "list" || name == "rtiow" || name == "embree" || name == "embree-robust" || name == "exact") {
-        check_bvh_options(name, options);
-      }
-      return entry.make(geometry, options);
-    }
+    if (entry.name == name) return entry;
     names.push_back(entry.name);
   }
   throw_unknown("--accel", name, names);
+}
+
+void check_options(const AcceleratorEntry& entry, const AcceleratorOptions& options) {
+  if (entry.capabilities.judges_options) return;
+  using Capabilities = AcceleratorCapabilities;
+  const auto check = [&](bool given, bool Capabilities::*takes, const char* option) {
+    if (!given || entry.capabilities.*takes) return;
+    std::string others;
+    for (const AcceleratorEntry& other : table()) {
+      if (other.capabilities.*takes) others += (others.empty() ? "" : ", ") + other.name;
+    }
+    throw Error(ErrorKind::usage, option, entry.name + " does not take it; expected with one of " + others);
+  };
+  check(options.intersector.has_value(), &Capabilities::takes_intersector, "--intersector");
+  check(options.quality.has_value(), &Capabilities::takes_quality, "--quality");
+  check(options.isa.has_value(), &Capabilities::takes_isa, "--isa");
+  check(options.compact, &Capabilities::takes_compact, "--compact");
+}
+
+AcceleratorOptions options_taken(const AcceleratorEntry& entry, AcceleratorOptions options) {
+  const AcceleratorCapabilities& c = entry.capabilities;
+  if (!c.takes_intersector) options.intersector.reset();
+  if (!c.takes_quality) options.quality.reset();
+  if (!c.takes_isa) options.isa.reset();
+  options.compact = options.compact && c.takes_compact;
+  return options;
+}
+
+std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geometry& geometry,
+                                              const AcceleratorOptions& options) {
+  const AcceleratorEntry& entry = find_accelerator(name);
+  check_options(entry, options);
+  return entry.make(geometry, options);
 }
 
 RegisterAccelerator::RegisterAccelerator(AcceleratorEntry entry) {
@@ -123,8 +161,8 @@ std::string_view intersector_name(Intersector intersector) {
 }
 Intersector parse_intersector(std::string_view name) { return parse("--intersector", name, kIntersectors); }
 
-std::string_view quality_name(BvhQuality quality) { return kQualities[static_cast<std::size_t>(quality)].name; }
-BvhQuality parse_quality(std::string_view name) { return parse("--bvh-quality", name, kQualities); }
+std::string_view quality_name(BuildQuality quality) { return kQualities[static_cast<std::size_t>(quality)].name; }
+BuildQuality parse_quality(std::string_view name) { return parse("--quality", name, kQualities); }
 
 std::string_view isa_name(Isa isa) { return kIsas[static_cast<std::size_t>(isa)].name; }
 Isa parse_isa(std::string_view name) { return parse("--isa", name, kIsas); }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -80,9 +81,9 @@ class Accelerator {
   /// Whether anything is hit with t_min < t < t_max.
   virtual bool occluded(const Ray& ray) const noexcept = 0;
 
-  /// The same for many rays at once; answers equal those of single rays to the bit. Rays that lie side by side
-  /// should be alike: an accelerator may trace them together. What does not override these asks for one ray after
-  /// the other.
+  /// The same for many rays at once; answers equal those of single rays to the bit where the accelerator's
+  /// capabilities say so (batch_equals_single), and are as good elsewhere. Rays that lie side by side should be
+  /// alike: an accelerator may trace them together. What does not override these asks for one ray after the other.
   virtual void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept;
   /// Writes 1 or 0 for each ray.
   virtual void occluded_batch(const RayBatch& rays, std::uint8_t* occluded) const noexcept;
@@ -90,38 +91,68 @@ class Accelerator {
   virtual const BuildReport& build_report() const noexcept = 0;
 };
 
-/// How much building time `bvh` may spend on a better tree: `fast` splits in the middle of the centres, `balanced`
-/// by the surface area heuristic, and `best` also splits the space that primitives share and moves subtrees to
-/// where they cost least.
-enum class BvhQuality { fast, balanced, best };
+/// How much building time may be spent on a better tree. Of `bvh`: `fast` splits in the middle of the centres,
+/// `balanced` by the surface area heuristic, and `best` also splits the space that primitives share and moves
+/// subtrees to where they cost least. Of Embree: its low, medium and high build quality.
+enum class BuildQuality { fast, balanced, best };
 
-/// Choices for those accelerators that offer them.
+/// Choices for those accelerators that offer them, see AcceleratorCapabilities.
 struct AcceleratorOptions {
   std::optional<Intersector> intersector;  ///< absent: the accelerator's own default
-  int threads = 0;                         ///< for building; 0: all
-  std::optional<BvhQuality> quality;       ///< absent: balanced; `bvh` only
-  std::optional<Isa> isa;                  ///< absent: the newest the processor has; `bvh` only
+  int threads = 0;                         ///< for building; 0: all; every accelerator takes it
+  std::optional<BuildQuality> quality;     ///< absent: balanced
+  std::optional<Isa> isa;                  ///< absent: the newest the processor has
+  bool compact = false;                    ///< a tree that takes less memory, and more time
 };
 
 using AcceleratorFactory = std::function<std::unique_ptr<Accelerator>(const Geometry&, const AcceleratorOptions&)>;
+
+/// What an accelerator takes and is fit for. As it stands by default it says nothing of the options: they are all
+/// passed on, for the accelerator to judge.
+struct AcceleratorCapabilities {
+  bool judges_options = true;      ///< is given options that it is not said to take too, and refuses them itself
+  bool takes_intersector = false;  ///< AcceleratorOptions::intersector, each value of it
+  bool takes_quality = false;      ///< AcceleratorOptions::quality, each value of it
+  bool takes_isa = false;          ///< AcceleratorOptions::isa, as far as the processor has it
+  bool takes_compact = false;      ///< AcceleratorOptions::compact
+  /// Primitives of the largest scene that it is fit for: beyond, a ray takes thousands of times as long as with
+  /// others.
+  std::size_t largest_primitives = std::numeric_limits<std::size_t>::max();
+  bool is_exact = false;            ///< decides every hit without rounding: others are judged by it; slow
+  bool batch_equals_single = true;  ///< batches have the answers of single rays to the bit
+};
 
 /// One accelerator that can be chosen by name.
 struct AcceleratorEntry {
   std::string name;
   std::string description;  ///< one line
-  AcceleratorFactory make;
+  AcceleratorFactory make;  ///< does not check the options: make_accelerator does
+  AcceleratorCapabilities capabilities = {};
 };
+
+/// What is used where none is chosen.
+inline constexpr const char* kDefaultAccelerator = "bvh";
 
 /// The accelerators there are, built-in ones first, in a fixed order.
 std::span<const AcceleratorEntry> accelerators();
 
-/// Builds the accelerator of that name. Throws Error (usage) for an unknown name, naming those there are, and
-/// for an option the accelerator does not take.
+/// The accelerator of that name. Throws Error (usage) for an unknown name, naming those there are.
+const AcceleratorEntry& find_accelerator(std::string_view name);
+
+/// Throws Error (usage) for an option that the accelerator does not take, naming those that do. What one that
+/// judges its options for itself refuses is only known when it is built.
+void check_options(const AcceleratorEntry& entry, const AcceleratorOptions& options);
+
+/// The options without those that the accelerator does not take.
+AcceleratorOptions options_taken(const AcceleratorEntry& entry, AcceleratorOptions options);
+
+/// Builds the accelerator of that name. Throws Error (usage) as find_accelerator and check_options do.
 std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geometry& geometry,
                                               const AcceleratorOptions& options = {});
 
 /// Adds an accelerator of one's own: a namespace-scope object in its source file is all it takes.
 ///   static const raylab::RegisterAccelerator registered{{"mine", "what it is", make_mine}};
+/// A fourth value says what it is capable of; raylab-bench measures it with each triangle test where it takes one.
 /// Throws Error (usage) when the name is taken.
 struct RegisterAccelerator {
   explicit RegisterAccelerator(AcceleratorEntry entry);
@@ -130,9 +161,9 @@ struct RegisterAccelerator {
 std::string_view intersector_name(Intersector intersector);
 /// Throws Error (usage) for an unknown name.
 Intersector parse_intersector(std::string_view name);
-std::string_view quality_name(BvhQuality quality);
+std::string_view quality_name(BuildQuality quality);
 /// Throws Error (usage) for an unknown name.
-BvhQuality parse_quality(std::string_view name);
+BuildQuality parse_quality(std::string_view name);
 std::string_view isa_name(Isa isa);
 /// Throws Error (usage) for an unknown name.
 Isa parse_isa(std::string_view name);

@@ -54,7 +54,7 @@ class Bvh final : public Accelerator {
     {
       const ThreadLimit limit(options.threads);
       const FlushDenormals flush;
-      tree_ = build_wide_tree(geometry, options.quality.value_or(BvhQuality::balanced));
+      tree_ = build_wide_tree(geometry, options.quality.value_or(BuildQuality::balanced));
     }
     const bool has_blocks =
         std::ranges::any_of(geometry.meshes, [](const TriangleMesh& mesh) { return !mesh.triangles.empty(); });

@@ -48,9 +48,9 @@ constexpr std::uint32_t kSmallestSpatialSplit = 2 * kBlockSize;
 
 class Builder {
  public:
-  Builder(const Geometry& geometry, BvhQuality quality, Splits splits, BinaryTree& tree)
+  Builder(const Geometry& geometry, BuildQuality quality, Splits splits, BinaryTree& tree)
       : geometry_(geometry),
-        follows_cost_(quality != BvhQuality::fast),
+        follows_cost_(quality != BuildQuality::fast),
         splits_space_(splits == Splits::of_space_too),
         tree_(tree) {}
 
@@ -292,10 +292,10 @@ class Builder {
 
 }  // namespace
 
-BinaryTree build_binary_tree(const Geometry& geometry, BvhQuality quality, Splits splits) {
+BinaryTree build_binary_tree(const Geometry& geometry, BuildQuality quality, Splits splits) {
   BinaryTree tree;
   Builder(geometry, quality, splits, tree).run();
-  if (quality == BvhQuality::best) reinsert_subtrees(tree);
+  if (quality == BuildQuality::best) reinsert_subtrees(tree);
   return tree;
 }
 

@@ -310,11 +310,11 @@ class Widener {
 
 std::size_t WideTree::bytes() const { return lines.bytes() + ids.bytes(); }
 
-WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality) {
+WideTree build_wide_tree(const Geometry& geometry, BuildQuality quality) {
   const auto build = [&](Splits splits) {
     return Widener(geometry, build_binary_tree(geometry, quality, splits)).run();
   };
-  if (quality != BvhQuality::best) return build(Splits::of_primitives);
+  if (quality != BuildQuality::best) return build(Splits::of_primitives);
   WideTree tree = build(Splits::of_space_too);
   if (tree.ids.size() == tree.primitives + 1) return tree;  // nothing is split
   // Split by split it is the cheaper one, but not always as a whole.

@@ -21,6 +21,6 @@ struct WideTree {
   std::size_t bytes() const;
 };
 
-WideTree build_wide_tree(const Geometry& geometry, BvhQuality quality);
+WideTree build_wide_tree(const Geometry& geometry, BuildQuality quality);
 
 }  // namespace raylab::bvh
