@@ -67,6 +67,26 @@ TEST_CASE("raylab-bench rays measures every accelerator and triangle test, and c
   CHECK(results.runs[0]["complete"] == true);
 }
 
+TEST_CASE("raylab-bench rays gives the build qualities to those that have a choice, and records them",
+          "[cli][bench]") {
+  const TempFolder folder;
+  std::vector<std::string> arguments = quick_rays(folder.path());
+  arguments.insert(arguments.end(), {"--accel", "list,bvh,embree", "--intersector", "watertight", "--quality",
+                                     "fast,best", "--compact"});
+  const ProgramResult run = raylab_bench(arguments);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  CHECK(results.rows.size() == 25);
+  CHECK(rows_where(results, "quality", "fast").size() == 10);
+  CHECK(rows_where(results, "quality", "best").size() == 10);
+  for (const Row& row : results.rows) {
+    CHECK(row.contains("quality") == (row["accel"] != "list"));
+    CHECK(row.contains("compact") == (row["accel"] == "embree"));
+  }
+  CHECK(run.out.find("embree best quality compact ") != std::string::npos);
+}
+
 TEST_CASE("raylab-bench render tells the error of each way against one reference", "[cli][bench]") {
   const TempFolder folder;
   const std::vector<std::string> arguments{"render",          kCornell, "--width",   "16",

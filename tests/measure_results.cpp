@@ -62,6 +62,12 @@ TEST_CASE("a row measured anew takes the place of the old one, and the rest of t
 TEST_CASE("the key of a row is what it measures, not what came out", "[unit][measure]") {
   CHECK(row_key(row("bvh", 1.0)) == row_key(row("bvh", 2.0)));
   CHECK(row_key(row("bvh", 1.0)) != row_key(row("list", 1.0)));
+  // Results of before there was a choice of quality are compared with those of the default.
+  Row built = row("bvh", 1.0);
+  built["quality"] = "balanced";
+  CHECK(row_key(built) == row_key(row("bvh", 2.0)));
+  built["quality"] = "best";
+  CHECK(row_key(built) != row_key(row("bvh", 2.0)));
   Row other = row("bvh", 1.0);
   other["rays"] = "shadow";
   CHECK(row_key(row("bvh", 1.0)) != row_key(other));

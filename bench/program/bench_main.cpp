@@ -32,6 +32,13 @@ void add_choice(CLI::App& command, CommonOptions& options, const std::string& un
   command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)->delimiter(',');
   command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated " + unnamed)
       ->delimiter(',');
+  command
+      .add_option("--quality", options.qualities,
+                  "Build qualities, comma separated, of those that have a choice: fast, balanced, best (default: "
+                  "balanced)")
+      ->delimiter(',');
+  command.add_option("--bvh-quality", options.qualities)->delimiter(',')->group("");  // the old name, not shown
+  command.add_flag("--compact", options.compact, "Compact trees, of those that have a choice");
 }
 
 /// Options of the suites that send rays one by one and in batches.
@@ -121,7 +128,8 @@ CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
   CLI::App* command =
       app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
   add_common(*command, options);
-  add_choice(*command, options, "(default: each accelerator as it is, but list and exact)");
+  add_choice(*command, options,
+             "(default: each accelerator as it is, but exact and what the largest size is too large for)");
   command
       ->add_option("--family", options.families,
                    "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")

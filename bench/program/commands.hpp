@@ -10,7 +10,8 @@ namespace raylab::bench {
 struct CommonOptions {
   std::vector<std::string> scenes;
   std::string out = "bench-results";
-  std::vector<std::string> accels, intersectors;
+  std::vector<std::string> accels, intersectors, qualities;
+  bool compact = false;
   int repeats = 5;
   std::uint32_t seed = 0;
   std::string command_line;

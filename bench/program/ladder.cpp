@@ -30,8 +30,8 @@ std::vector<Step> steps() {
 Built build(const Step& step, const Geometry& geometry) {
   AcceleratorOptions options = step.options;
   options.threads = 1;
-  const Variant variant{step.accel,
-                        std::string(intersector_name(options.intersector.value_or(Intersector::book)))};
+  const Variant variant{step.accel, std::string(intersector_name(options.intersector.value_or(Intersector::book))),
+                        options.quality};
   return build(
       variant,
       step.make

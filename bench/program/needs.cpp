@@ -15,11 +15,10 @@ namespace {
 constexpr double kShare = 0.1;
 // Segments that stand for all of them: roulette ends paths long before.
 constexpr int kAllSegments = 256;
-constexpr std::size_t kMostForBruteForce = 1000;
 
 /// What to render with.
 struct Choice {
-  Variant variant{"bvh", "watertight"};
+  Variant variant{kDefaultAccelerator, "watertight", BuildQuality::balanced};
   IntegratorKind integrator = IntegratorKind::path;
   SamplerKind sampler = SamplerKind::sobol;
   bool everything = false;  ///< all needs on: a sky of one colour is then sampled as a light
@@ -92,8 +91,7 @@ Cost Study::measure(const Choice& choice, const Accelerator& accelerator) const 
 }
 
 void Study::add_choice(Row& row, const Choice& choice) const {
-  row["accel"] = choice.variant.accel;
-  if (!choice.variant.intersector.empty()) row["intersector"] = choice.variant.intersector;
+  add_fields(row, choice.variant);
   add_fields(row, options_for(choice, 0));
   if (choice.everything) row["needs"] = "all";
 }
@@ -204,13 +202,14 @@ Choice Study::choose_strategy(Choice choice, const Accelerator& accelerator) con
 
 /// The fastest accelerator, building included, whose picture is within its share of the error of the judge's.
 Built Study::choose_accelerator(Choice& choice) const {
-  const auto judge = make_accelerator("bvh", scene_.geometry);  // equal to list to the bit, which is tested
+  // Equal to list to the bit, which is tested.
+  const auto judge = make_accelerator(kDefaultAccelerator, scene_.geometry);
   const RenderOptions o = options_for(choice, 0);
   const Image right = render_once(suite_, scene_, *judge, o).image;
   Built best;
   double least = kInfinity;
-  for (const Variant& v : variants(options_.accels, options_.intersectors)) {
-    if (is_brute_force(v) && scene_.geometry.primitive_count() > kMostForBruteForce) continue;
+  for (const Variant& v : variants(options_)) {
+    if (!is_fit(v, scene_.geometry.primitive_count())) continue;
     Built built = build(v, scene_.geometry, options_.threads);
     std::vector<double> seconds;
     Image image;
@@ -266,6 +265,8 @@ void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) 
       format("[render]\nsamples_per_pixel = %d\nmax_depth = %d", choice.spp, choice.max_depth);
   std::string command = "raylab-render " + file_ + " --accel " + choice.variant.accel;
   if (!choice.variant.intersector.empty()) command += " --intersector " + choice.variant.intersector;
+  if (choice.variant.quality) command += " --quality " + std::string(quality_name(*choice.variant.quality));
+  if (choice.variant.compact) command += " --compact";
   command += " --integrator " + std::string(integrator_name(choice.integrator)) + " --sampler " +
              std::string(sampler_name(choice.sampler));
   if (choice.everything) command += " --needs all";
@@ -284,7 +285,7 @@ void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) 
 }
 
 void Study::run() {
-  const auto accelerator = make_accelerator("bvh", scene_.geometry);
+  const auto accelerator = make_accelerator(kDefaultAccelerator, scene_.geometry);
   tell_uses();
   Choice choice;
   choice.spp = options_.spp;
@@ -310,7 +311,7 @@ void Study::run() {
 }  // namespace
 
 int needs(const NeedsOptions& options) {
-  (void)variants(options.accels, options.intersectors);
+  (void)variants(options);
   Suite suite(options.out, "needs", options.command_line);
   const InterruptGuard guard;
   const ThreadLimit limit(options.threads);

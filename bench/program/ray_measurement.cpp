@@ -15,7 +15,7 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
 
 /// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
 std::vector<RaySet> scene_ray_sets(const Scene& scene, const RaysOptions& options) {
-  const auto walker = make_accelerator("bvh", scene.geometry);
+  const auto walker = make_accelerator(kDefaultAccelerator, scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = scene.render.max_depth;
   std::vector<RaySet> sets = path_ray_sets(scene, *walker, settings, options.rays, options.seed);

@@ -5,34 +5,28 @@ namespace raylab::bench {
 
 namespace {
 
-// Beyond this, testing every primitive takes minutes and tells nothing new.
-constexpr std::size_t kMostForBruteForce = 1000;
-
 std::vector<Variant> worthwhile(const std::vector<Variant>& all, const Geometry& geometry, Suite& suite) {
   std::vector<Variant> kept;
-  bool left_out = false;
   for (const Variant& v : all) {
-    if (is_brute_force(v) && geometry.primitive_count() > kMostForBruteForce) {
-      left_out = true;
-    } else {
+    if (is_fit(v, geometry.primitive_count())) {
       kept.push_back(v);
+    } else {
+      suite.note(
+          format("%s left out: %zu primitives are too many for it", v.name().c_str(), geometry.primitive_count()));
     }
   }
-  if (left_out)
-    suite.note(format("list left out: %zu primitives are too many for it", geometry.primitive_count()));
   return kept;
 }
 
 std::string line_of(const Row& row) {
-  return format(
-      "%-12s %-8s %-26s %s", row["scene"].get<std::string>().c_str(), row["rays"].get<std::string>().c_str(),
-      (row["accel"].get<std::string>() + " " + row.value("intersector", "")).c_str(), speed_text(row).c_str());
+  return format("%-12s %-8s %-26s %s", row["scene"].get<std::string>().c_str(),
+                row["rays"].get<std::string>().c_str(), variant_name(row).c_str(), speed_text(row).c_str());
 }
 
 }  // namespace
 
 int rays(const RaysOptions& options) {
-  const std::vector<Variant> all = variants(options.accels, options.intersectors);
+  const std::vector<Variant> all = variants(options);
   const auto build_all = [&](const Geometry& geometry, Suite& suite) {
     std::vector<Built> built;
     for (const Variant& v : worthwhile(all, geometry, suite)) {

@@ -27,20 +27,22 @@ std::vector<Way> ways_of(const RenderSuiteOptions& options) {
   const bool nothing_named = options.accels.empty() && options.intersectors.empty() &&
                              options.integrators.empty() && options.samplers.empty();
   if (nothing_named) {
-    for (const char* accel : {"bvh", "rtiow", "embree", "embree-robust"}) ways.push_back({{accel, ""}});
-    ways.push_back({{"bvh", ""}, "book", "sobol"});
-    ways.push_back({{"bvh", ""}, "path", "independent"});
+    CommonOptions usual = options;
+    usual.accels = {kDefaultAccelerator, "rtiow", "embree", "embree-robust"};
+    for (const Variant& variant : variants(usual, false)) ways.push_back({variant});
+    ways.push_back({ways[0].variant, "book", "sobol"});
+    ways.push_back({ways[0].variant, "path", "independent"});
     return ways;
   }
   const auto or_default = [](const std::vector<std::string>& given, const char* usual) {
     return given.empty() ? std::vector<std::string>{usual} : given;
   };
-  for (const std::string& accel : or_default(options.accels, "bvh")) {
-    for (const std::string& intersector : or_default(options.intersectors, "")) {
-      for (const std::string& integrator : or_default(options.integrators, "path")) {
-        for (const std::string& sampler : or_default(options.samplers, "sobol")) {
-          ways.push_back({{accel, intersector}, integrator, sampler});
-        }
+  CommonOptions named = options;
+  named.accels = or_default(options.accels, kDefaultAccelerator);
+  for (const Variant& variant : variants(named, false)) {
+    for (const std::string& integrator : or_default(options.integrators, "path")) {
+      for (const std::string& sampler : or_default(options.samplers, "sobol")) {
+        ways.push_back({variant, integrator, sampler});
       }
     }
   }
@@ -77,8 +79,7 @@ Row start_of_row(const Stage& stage) {
 }
 
 std::string name_of(const Row& row) {
-  std::string name = row["accel"];
-  if (row.contains("intersector")) name += " " + row["intersector"].get<std::string>();
+  std::string name = variant_name(row);
   if (row.contains("sampler")) {
     name += ", " + row["integrator"].get<std::string>() + ", " + row["sampler"].get<std::string>();
   }
@@ -209,9 +210,7 @@ std::size_t different_pixels(const Image& image, const Image& expected) {
 void compare_pictures(Suite& suite, const Stage& stage, const std::vector<Way>& ways,
                       const std::vector<Built>& built) {
   const Scene& scene = stage.loaded.scene;
-  constexpr std::size_t kMostForBruteForce = 1000;
-  const bool by_list = scene.geometry.primitive_count() <= kMostForBruteForce;
-  const char* against = by_list ? "list" : "bvh";
+  const char* against = is_fit({"list", ""}, scene.geometry.primitive_count()) ? "list" : kDefaultAccelerator;
   const auto right = make_accelerator(against, scene.geometry);
   const RenderOptions o = options_for(stage, Way(), stage.options.spp.front(), 0);
   const Image expected = render_once(suite, scene, *right, o).image;
@@ -225,8 +224,7 @@ void compare_pictures(Suite& suite, const Stage& stage, const std::vector<Way>& 
     write_png(suite.folder().path() / picture, error_picture(image, expected, 0.1));
     Row row = start_of_row(stage);
     row["question"] = "difference";
-    row["accel"] = ways[i].variant.accel;
-    if (!ways[i].variant.intersector.empty()) row["intersector"] = ways[i].variant.intersector;
+    add_fields(row, ways[i].variant);
     add_fields(row, o);
     row["against"] = against;
     row["different_pixels"] = different_pixels(image, expected);
@@ -249,7 +247,6 @@ int render(const RenderSuiteOptions& given) {
   for (const Way& way : ways) {
     (void)parse_integrator(way.integrator);
     (void)parse_sampler(way.sampler);
-    (void)build(way.variant, Geometry(), 1);
   }
   Suite suite(options.out, "render", options.command_line);
   const InterruptGuard guard;
@@ -274,7 +271,7 @@ int render(const RenderSuiteOptions& given) {
     const LoadedScene& loaded = scenes[i];
     std::vector<Built> built;
     for (const Way& way : ways) built.push_back(build(way.variant, loaded.scene.geometry, threads));
-    const auto trusted = make_accelerator("bvh", loaded.scene.geometry);
+    const auto trusted = make_accelerator(kDefaultAccelerator, loaded.scene.geometry);
     const Reference reference = reference_of(suite, loaded, *trusted, options_of(loaded.scene, options.width),
                                              options.reference_spp, cache);
     suite.note(format("%s: the reference's own relMSE is %.2g, its mean is good to %.2g",

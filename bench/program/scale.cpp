@@ -19,13 +19,11 @@ namespace {
 
 constexpr std::size_t kFewest = 1000;
 
-/// The accelerators asked for as they are by default: their triangle tests are the business of `rays`.
+/// The accelerators asked for as they are by default: their triangle tests are the business of `rays`. Where none
+/// is named, those that the largest size is not too large for.
 std::vector<Variant> scale_variants(const ScaleOptions& options) {
-  if (!options.intersectors.empty()) return variants(options.accels, options.intersectors);
-  std::vector<Variant> all;
-  for (const Variant& v : variants(options.accels, {"watertight"})) {
-    if (!is_brute_force(v) || !options.accels.empty()) all.push_back({v.accel, ""});
-  }
+  std::vector<Variant> all = variants(options, false);
+  if (options.accels.empty()) std::erase_if(all, [&](const Variant& v) { return !is_fit(v, options.largest); });
   return all;
 }
 

@@ -4,26 +4,10 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab::bench {
-
-namespace {
-
-bool has_choice_of_intersector(const std::string& accel) {
-  AcceleratorOptions options;
-  options.intersector = Intersector::watertight;
-  try {
-    (void)make_accelerator(accel, Geometry(), options);
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
-}  // namespace
 
 void Suite::check(double ahead) {
   progress_.update(expected_ > 0.0 ? std::min(1.0, (done_ + ahead) / expected_) : 0.0);
@@ -55,39 +39,57 @@ LoadedScene load(Suite& suite, const std::string& file) {
   return loaded;
 }
 
-std::vector<Variant> variants(const std::vector<std::string>& accels,
-                              const std::vector<std::string>& intersectors) {
-  std::vector<std::string> names = accels;
+std::string Variant::name() const {
+  Row row;
+  add_fields(row, *this);
+  return variant_name(row);
+}
+
+AcceleratorOptions Variant::options(int threads) const {
+  AcceleratorOptions options;
+  options.threads = threads;
+  if (!intersector.empty()) options.intersector = parse_intersector(intersector);
+  options.quality = quality;
+  options.compact = compact;
+  return options;
+}
+
+std::vector<Variant> variants(const CommonOptions& options, bool all_intersectors) {
+  std::vector<std::string> names = options.accels;
   if (names.empty()) {
     for (const AcceleratorEntry& entry : accelerators()) {
-      if (entry.name != "exact") names.push_back(entry.name);
+      if (!entry.capabilities.is_exact) names.push_back(entry.name);
     }
   }
-  std::vector<std::string> tests = intersectors;
-  if (tests.empty()) tests = {"book", "fast", "watertight"};
+  std::vector<std::string> tests = options.intersectors;
   for (const std::string& test : tests) (void)parse_intersector(test);
+  if (tests.empty())
+    tests =
+        all_intersectors ? std::vector<std::string>{"book", "fast", "watertight"} : std::vector<std::string>{""};
+  std::vector<std::optional<BuildQuality>> qualities;
+  for (const std::string& quality : options.qualities) qualities.push_back(parse_quality(quality));
+  if (qualities.empty()) qualities = {BuildQuality::balanced};
   std::vector<Variant> all;
   for (const std::string& name : names) {
-    (void)make_accelerator(name, Geometry());  // an unknown name is known now, and not after an hour
-    if (!has_choice_of_intersector(name)) {
-      all.push_back({name, ""});
-    } else {
-      for (const std::string& test : tests) all.push_back({name, test});
+    const AcceleratorCapabilities& can = find_accelerator(name).capabilities;
+    for (const auto& quality : can.takes_quality ? qualities : std::vector<std::optional<BuildQuality>>{{}}) {
+      for (const std::string& test : can.takes_intersector ? tests : std::vector<std::string>{""}) {
+        all.push_back({name, test, quality, options.compact && can.takes_compact});
+      }
     }
   }
   return all;
 }
 
-bool is_brute_force(const Variant& variant) { return variant.accel == "list"; }
+bool is_fit(const Variant& variant, std::size_t primitives) {
+  return primitives <= find_accelerator(variant.accel).capabilities.largest_primitives;
+}
 
 Built build(const Variant& variant, const Geometry& geometry, int threads) {
-  AcceleratorOptions options;
-  options.threads = threads;
-  if (!variant.intersector.empty()) options.intersector = parse_intersector(variant.intersector);
   const auto make = [&](const Geometry& g, const AcceleratorOptions& o) {
     return make_accelerator(variant.accel, g, o);
   };
-  return build(variant, make, geometry, options);
+  return build(variant, make, geometry, variant.options(threads));
 }
 
 Built build(const Variant& variant, const AcceleratorFactory& make, const Geometry& geometry,
@@ -108,10 +110,25 @@ Built build(const Variant& variant, const AcceleratorFactory& make, const Geomet
   return built;
 }
 
-void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built) {
-  const BuildReport& report = built.accelerator->build_report();
+void add_fields(Row& row, const Variant& variant) {
   row["accel"] = variant.accel;
   if (!variant.intersector.empty()) row["intersector"] = variant.intersector;
+  if (variant.quality) row["quality"] = quality_name(*variant.quality);
+  if (variant.compact) row["compact"] = true;
+}
+
+std::string variant_name(const Row& row) {
+  const std::string usual(quality_name(BuildQuality::balanced));
+  std::string name = row["accel"];
+  if (row.contains("intersector")) name += " " + row["intersector"].get<std::string>();
+  if (const std::string quality = row.value("quality", usual); quality != usual)
+    name += " " + quality + " quality";
+  return row.value("compact", false) ? name + " compact" : name;
+}
+
+void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built) {
+  const BuildReport& report = built.accelerator->build_report();
+  add_fields(row, variant);
   row["triangles"] = geometry.triangle_count();
   row["spheres"] = geometry.spheres.size();
   if (!report.isa.empty()) row["isa"] = report.isa;

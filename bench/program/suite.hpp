@@ -2,9 +2,11 @@
 // What every suite of raylab-bench has in common.
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "commands.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "raylab/accel/accelerator.hpp"
@@ -51,21 +53,24 @@ class Suite {
 /// Loads the scene, telling its warnings; its name is that of the file without folder and ending.
 LoadedScene load(Suite& suite, const std::string& file);
 
-/// An accelerator and, where it has a choice, its triangle test.
+/// An accelerator and, where it has a choice, its triangle test and how it is built.
 struct Variant {
   std::string accel;
-  std::string intersector;  ///< empty: the accelerator has no choice
+  std::string intersector;              ///< empty: its default, or the accelerator has no choice
+  std::optional<BuildQuality> quality;  ///< absent: the accelerator has no choice
+  bool compact = false;
 
-  std::string name() const { return intersector.empty() ? accel : accel + " " + intersector; }
+  std::string name() const;  ///< see variant_name
+  AcceleratorOptions options(int threads) const;
 };
 
-/// The accelerators named, or all but the judge, each with the intersectors named, or all, where it has a choice.
+/// The accelerators named, or all but the judge, with each of the qualities named, or the default, and each of the
+/// intersectors named, or all, or with `all_intersectors` off the accelerator's default: what it has a choice of.
 /// Throws Error (usage) for unknown names.
-std::vector<Variant> variants(const std::vector<std::string>& accels,
-                              const std::vector<std::string>& intersectors);
+std::vector<Variant> variants(const CommonOptions& options, bool all_intersectors = true);
 
-/// Whether it tests every primitive: no use on large scenes.
-bool is_brute_force(const Variant& variant);
+/// Whether scenes of so many primitives are not too large for it.
+bool is_fit(const Variant& variant, std::size_t primitives);
 
 /// Builds it, several times while that takes no time worth saving.
 struct Built {
@@ -78,7 +83,11 @@ Built build(const Variant& variant, const Geometry& geometry, int threads);
 Built build(const Variant& variant, const AcceleratorFactory& make, const Geometry& geometry,
             const AcceleratorOptions& options);
 
-/// Fields of a row that an accelerator brings along.
+/// Fields of a row that name the variant.
+void add_fields(Row& row, const Variant& variant);
+/// The variant that those fields name, for people: balanced quality, which is usual, is left out.
+std::string variant_name(const Row& row);
+/// The same, and those that the accelerator brings along.
 void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built);
 
 Row to_row(const Spread& spread);

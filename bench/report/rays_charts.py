@@ -97,12 +97,14 @@ def break_even(results, scenes):
         kind = "diffuse" if any(row["rays"] == "diffuse" for row in rows) else rows[0]["rays"]
         best = {}
         for row in (row for row in rows if row["rays"] == kind):
-            # One line an accelerator: its watertight test, or what it has.
-            if row.get("intersector", "watertight") == "watertight" or row["accel"] not in best:
-                best[row["accel"]] = row
+            # One line an accelerator, built in one way: its watertight test, or what it has.
+            name = style.variant({**row, "intersector": ""})
+            if row.get("intersector", "watertight") == "watertight" or name not in best:
+                best[name] = row
         fastest = [min(seconds(row, n) for row in best.values()) for n in counts]
-        for accel, row in best.items():
-            axis.plot(counts, [seconds(row, n) / least for n, least in zip(counts, fastest)], color=style.color(accel),
+        for row in best.values():
+            axis.plot(counts, [seconds(row, n) / least for n, least in zip(counts, fastest)],
+                      color=style.color(row["accel"]), linestyle=style.LINES.get(row.get("quality"), "-"),
                       label=style.variant(row))
         axis.set_xscale("log")
         axis.set_yscale("log")
@@ -110,10 +112,11 @@ def break_even(results, scenes):
         axis.yaxis.set_major_formatter(FuncFormatter(plain))
         axis.yaxis.set_major_locator(FixedLocator([m * 10.0**k for k in range(4) for m in (1, 1.5, 2, 3, 5)]))
         axis.yaxis.set_minor_locator(NullLocator())
-        for n, accel in lead_changes(best):
-            axis.axvline(n, color=style.color(accel), linestyle=":", linewidth=1)
-            axis.annotate(f"{accel} leads from {float(f'{n:.2g}'):,.0f} rays", (n, 0.97), xycoords=("data", "axes fraction"), rotation=90,
-                          xytext=(3, 0), textcoords="offset points", fontsize=7, va="top", color=style.color(accel))
+        for n, name in lead_changes(best):
+            color = style.color(best[name]["accel"])
+            axis.axvline(n, color=color, linestyle=":", linewidth=1)
+            axis.annotate(f"{name} leads from {float(f'{n:.2g}'):,.0f} rays", (n, 0.97), xycoords=("data", "axes fraction"), rotation=90,
+                          xytext=(3, 0), textcoords="offset points", fontsize=7, va="top", color=color)
         axis.set_title(f"{scene}, {kind} rays")
         axis.set_xlabel("rays traced")
     axes[0].set_ylabel("build + trace, over the fastest")
@@ -128,11 +131,11 @@ def seconds(row, rays):
 
 
 def lead_changes(best):
-    """(rays, accelerator) where another accelerator becomes the fastest, from 1,000 rays on."""
+    """(rays, name) where another accelerator becomes the fastest, from 1,000 rays on."""
     changes, leader = [], None
     for k in range(3 * 200, 9 * 200):
         n = 10.0 ** (k / 200.0)
-        first = min(best, key=lambda accel: seconds(best[accel], n))
+        first = min(best, key=lambda name: seconds(best[name], n))
         if leader is not None and first != leader:
             changes.append((n, first))
         leader = first

@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
 COLORS = {"list": "#777777", "rtiow": "#E69F00", "bvh": "#0072B2", "embree": "#009E73", "embree-robust": "#CC79A7",
           "exact": "#000000", "mitsuba": "#D55E00"}
 SPARE_COLORS = ["#56B4E9", "#F0E442", "#8C564B"]
+LINES = {"fast": "-.", "best": "--"}
 MARKERS = {"book": "X", "fast": "^", "watertight": "o", "": "s"}
 
 plt.rcParams.update({
@@ -27,8 +28,11 @@ def color(accel):
 
 
 def variant(row):
-    """The accelerator with its triangle test, or the other renderer, as one name."""
-    return " ".join(part for part in (row.get("accel", ""), row.get("intersector", "")) if part)
+    """The accelerator with its triangle test and how it is built, or the other renderer, as one name."""
+    quality = row.get("quality", "balanced")
+    parts = (row.get("accel", ""), row.get("intersector", ""), "" if quality == "balanced" else f"{quality} quality",
+             "compact" if row.get("compact") else "")
+    return " ".join(part for part in parts if part)
 
 
 def panels(count, columns, width=3.4, height=3.2, **kwargs):

@@ -21,10 +21,10 @@ constexpr const char* kJsonName = "results.json";
 constexpr const char* kCsvName = "results.csv";
 
 // The fields that say what a row measures; all others say what came out.
-constexpr std::array kKeyFields{"suite",      "scene",   "family",        "renderer", "accel",     "intersector",
-                                "integrator", "sampler", "needs",         "rays",     "step",      "threads",
-                                "triangles",  "width",   "height",        "spp",      "max_depth", "segment",
-                                "question",   "case",    "target_relmse", "value"};
+constexpr std::array kKeyFields{"suite",     "scene",   "family",     "renderer", "accel",         "intersector",
+                                "quality",   "compact", "integrator", "sampler",  "needs",         "rays",
+                                "step",      "threads", "triangles",  "width",    "height",        "spp",
+                                "max_depth", "segment", "question",   "case",     "target_relmse", "value"};
 
 std::string utc_date() {
   const std::time_t now = std::time(nullptr);
@@ -78,6 +78,12 @@ std::vector<std::pair<std::string, Row>> flattened(const Row& row) {
   return fields;
 }
 
+/// Whether rows of before there was a choice of quality mean the same without the field: all were balanced, but
+/// for steps of the ladder, whose name says it.
+bool is_implied(const Row& row, std::string_view field) {
+  return field == "quality" && (row[field] == "balanced" || row.contains("step"));
+}
+
 std::string csv_cell(const Row& value) {
   const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -91,7 +97,7 @@ std::string csv_cell(const Row& value) {
 std::string row_key(const Row& row) {
   std::string key;
   for (const char* field : kKeyFields) {
-    if (!row.contains(field)) continue;
+    if (!row.contains(field) || is_implied(row, field)) continue;
     if (!key.empty()) key += ' ';
     key.append(field).append("=").append(csv_cell(row[field]));
   }

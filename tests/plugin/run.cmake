@@ -36,6 +36,13 @@ run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${work}/build -G ${GENERATOR} -D CMAKE_
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/my-agreement)
 run(${work}/build/my-render ${SCENE} --accel grid --spp 1 --width 32 --height 32 -o ${picture})
+# What takes no triangle test is measured once: a row for each of five kinds of rays, below the header.
+run(${work}/build/my-bench rays ${SCENE} --accel grid,careless --rays 200 --checked 50 --repeats 1 --out ${work}/bench)
+file(STRINGS ${work}/bench/results.csv rows)
+list(LENGTH rows count)
+if(NOT count EQUAL 11)
+  message(FATAL_ERROR "two accelerators without a triangle test gave ${count} lines, not 11")
+endif()
 if(NOT EXISTS ${picture})
   message(FATAL_ERROR "no picture was written")
 endif()
