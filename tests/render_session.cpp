@@ -83,6 +83,15 @@ TEST_CASE("every instruction set gives the same picture to the bit", "[unit][ses
   }
 }
 
+TEST_CASE("an instruction set that the processor lacks is refused", "[unit][session]") {
+  const Scene scene = varied_scene();
+  const auto accelerator = make_accelerator("list", scene.geometry);
+  RenderOptions options = small_options("sobol");
+  options.integrator.isa = static_cast<Isa>(200);  // of the real ones this processor may have all
+  expect_error(ErrorKind::usage, "--isa", {"this processor has no"},
+               [&] { RenderSession(scene, *accelerator, options); });
+}
+
 TEST_CASE("ranges of samples rendered apart add up to the whole to the bit", "[unit][session]") {
   const Scene scene = varied_scene();
   for (const char* sampler : {"independent", "sobol"}) {

@@ -86,9 +86,9 @@ constexpr std::array<Named<BuildQuality>, 3> kQualities = {{
     {BuildQuality::best, "best"},
 }};
 constexpr std::array<Named<Isa>, 3> kIsas = {{
-    {Isa::sse42, "sse4.2"},
-    {Isa::avx2, "avx2"},
-    {Isa::avx512, "avx512"},
+    {Isa::sse42, isa_name(Isa::sse42)},
+    {Isa::avx2, isa_name(Isa::avx2)},
+    {Isa::avx512, isa_name(Isa::avx512)},
 }};
 
 template <class Choice, std::size_t count>
@@ -164,7 +164,6 @@ Intersector parse_intersector(std::string_view name) { return parse("--intersect
 std::string_view quality_name(BuildQuality quality) { return kQualities[static_cast<std::size_t>(quality)].name; }
 BuildQuality parse_quality(std::string_view name) { return parse("--quality", name, kQualities); }
 
-std::string_view isa_name(Isa isa) { return kIsas[static_cast<std::size_t>(isa)].name; }
 Isa parse_isa(std::string_view name) { return parse("--isa", name, kIsas); }
 
 }  // namespace raylab

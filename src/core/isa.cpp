@@ -1,20 +1,34 @@
 #include "raylab/core/isa.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "raylab/core/error.hpp"
 
 namespace raylab {
 
-bool isa_supported(Isa isa) {
+// A macro, since the compiler takes nothing but a literal for the name.
+#define RAYLAB_FEATURE(name) \
+  IsaFeature { name, __builtin_cpu_supports(name) != 0 }
+
+std::vector<IsaFeature> isa_features(Isa isa) {
   switch (isa) {
     case Isa::sse42:
-      return __builtin_cpu_supports("sse4.2") != 0;
+      return {RAYLAB_FEATURE("sse4.2"), RAYLAB_FEATURE("popcnt")};
     case Isa::avx2:
-      return __builtin_cpu_supports("avx2") != 0;
+      return {RAYLAB_FEATURE("avx2"), RAYLAB_FEATURE("popcnt"), RAYLAB_FEATURE("bmi")};
     case Isa::avx512:
-      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
-             __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
+      return {RAYLAB_FEATURE("avx512f"),  RAYLAB_FEATURE("avx512bw"), RAYLAB_FEATURE("avx512dq"),
+              RAYLAB_FEATURE("avx512vl"), RAYLAB_FEATURE("popcnt"),   RAYLAB_FEATURE("bmi")};
   }
-  return false;
+  return {};
+}
+
+#undef RAYLAB_FEATURE
+
+bool isa_supported(Isa isa) {
+  const std::vector<IsaFeature> features = isa_features(isa);
+  return !features.empty() && std::ranges::all_of(features, &IsaFeature::present);
 }
 
 Isa newest_isa() {
@@ -22,6 +36,12 @@ Isa newest_isa() {
     if (isa_supported(isa)) return isa;
   }
   throw Error(ErrorKind::failure, "processor", "has no SSE4.2");
+}
+
+Isa choose_isa(std::optional<Isa> asked) {
+  if (!asked) return newest_isa();
+  if (isa_supported(*asked)) return *asked;
+  throw Error(ErrorKind::usage, "--isa", "this processor has no " + std::string(isa_name(*asked)));
 }
 
 }  // namespace raylab

@@ -35,7 +35,7 @@ TraceKernel kernel_of(Isa isa) {
 Integrator::Integrator(const Scene& scene, const Camera& camera, const Accelerator& accelerator,
                        const SceneNeeds& needs, const IntegratorSettings& settings)
     : shading_(std::make_unique<ShadingScene>(scene, camera, accelerator, needs, settings)),
-      kernel_(kernel_of(settings.isa.value_or(newest_isa()))) {}
+      kernel_(kernel_of(choose_isa(settings.isa))) {}
 
 Integrator::~Integrator() = default;
 

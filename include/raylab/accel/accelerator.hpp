@@ -164,7 +164,6 @@ Intersector parse_intersector(std::string_view name);
 std::string_view quality_name(BuildQuality quality);
 /// Throws Error (usage) for an unknown name.
 BuildQuality parse_quality(std::string_view name);
-std::string_view isa_name(Isa isa);
 /// Throws Error (usage) for an unknown name.
 Isa parse_isa(std::string_view name);
 

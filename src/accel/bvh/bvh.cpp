@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <string>
 
 #include "../backends.hpp"
 #include "build/wide_tree.hpp"
-#include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 #include "traverse/kernel.hpp"
@@ -30,13 +28,6 @@ const Kernel& kernel_of(Isa isa) {
   return kKernelSse42;
 }
 
-const Kernel& choose_kernel(std::optional<Isa> forced) {
-  if (forced && !isa_supported(*forced)) {
-    throw Error(ErrorKind::usage, "--isa", "this processor has no " + std::string(isa_name(*forced)));
-  }
-  return kernel_of(forced.value_or(newest_isa()));
-}
-
 /// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the
 /// box test can.
 constexpr float kBookDirectionRange = 0x1p120f;
@@ -44,7 +35,7 @@ constexpr float kBookDirectionRange = 0x1p120f;
 class Bvh final : public Accelerator {
  public:
   Bvh(const Geometry& geometry, const AcceleratorOptions& options)
-      : kernel_(choose_kernel(options.isa)) {
+      : kernel_(kernel_of(choose_isa(options.isa))) {
     const Intersector intersector = options.intersector.value_or(Intersector::watertight);
     intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
     occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
