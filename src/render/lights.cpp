@@ -26,6 +26,9 @@ float one_minus_cos_max(float r2, float d2) {
   return sin2 / (1.0f + std::sqrt(std::max(0.0f, 1.0f - sin2)));
 }
 
+/// The least probability of an emitter in LightTable: numbers of 24 bits are good to 2^-14 of it.
+constexpr double kLeastOfTable = 0x1p-10;
+
 }  // namespace
 
 Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
@@ -65,27 +68,42 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   for (const double p : powers) total += p;
   if (!(total > 0.0)) return;
   inv_total_power_ = 1.0 / total;
-  double sum = 0.0;
-  cdf_.reserve(powers.size());
-  for (const double p : powers) {
-    sum += p;
-    cdf_.push_back(static_cast<float>(sum * inv_total_power_));
-  }
-  cdf_.back() = 1.0f;
+  fill_choice(powers);
   for (TriangleEmitter& t : triangles_) t.shape.pdf_area = triangle_pdf_area(t.material);
   if (powers.size() > triangles_.size() + spheres_.size()) {
     environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
   }
-  fill_table();
+  if (std::ranges::min(powers) * inv_total_power_ >= kLeastOfTable) fill_table();
+}
+
+void Lights::fill_choice(const std::vector<double>& powers) {
+  __extension__ using Int = __int128;
+  const auto share = [&](double power) {
+    return std::max(Int{1}, static_cast<Int>(power * inv_total_power_ * 0x1p64));
+  };
+  Int left = Int{1} << 64;
+  for (const double p : powers) left -= share(p);
+  // What rounding leaves, of either sign, makes no difference to the strongest.
+  const auto strongest = static_cast<std::size_t>(std::ranges::max_element(powers) - powers.begin());
+  Int sum = 0;
+  first_.reserve(powers.size());
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    first_.push_back(static_cast<std::uint64_t>(sum));
+    sum += share(powers[i]) + (i == strongest ? left : 0);
+  }
 }
 
 void Lights::fill_table() {
   const auto varies = [](const TriangleEmitter& t) { return t.varies; };
-  if (cdf_.size() > LightTable::kMost || cdf_.size() != triangles_.size() || std::ranges::any_of(triangles_, varies))
+  if (count() > LightTable::kMost || count() != triangles_.size() || std::ranges::any_of(triangles_, varies))
     return;
   table_ = {};
-  table_.count = static_cast<int>(cdf_.size());
-  std::ranges::copy(cdf_, table_.cdf);
+  table_.count = static_cast<int>(count());
+  for (std::size_t i = 1; i < count(); ++i) {
+    const std::uint64_t rounded = (first_[i] + (1ull << 39)) >> 40;
+    first_[i] = rounded << 40;
+    table_.cdf[i - 1] = static_cast<float>(rounded) * 0x1p-24f;
+  }
   static_assert(offsetof(TriangleEmitter, radiance) == (LightTable::kColumns - 3) * sizeof(float));
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     const float* const row = &triangles_[i].shape.p0.x;
@@ -109,11 +127,11 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   powers.push_back(power);
 }
 
-std::size_t Lights::choose(float select) const {
-  return static_cast<std::size_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, select) - cdf_.begin());
+std::size_t Lights::choose(std::uint64_t select) const {
+  return static_cast<std::size_t>(std::upper_bound(first_.begin() + 1, first_.end(), select) - first_.begin() - 1);
 }
 
-LightSample Lights::sample(const vec3& p, float select, const vec2& u) const {
+LightSample Lights::sample(const vec3& p, std::uint64_t select, const vec2& u) const {
   return sample_emitter(choose(select), p, u);
 }
 
@@ -131,13 +149,13 @@ LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2
   return sample_sphere(spheres_[chosen - triangles_.size()], p, u);
 }
 
-void Lights::sample(std::uint32_t lanes, const float* select, const float* u, const float* v,
-                    const float* const (&p)[3], LightLanes& out) const {
+void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
+                    const float* u, const float* v, const float* const (&p)[3], LightLanes& out) const {
   out.triangles = 0;
   out.infinite = 0;
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    const std::size_t chosen = choose(select[i]);
+    const std::size_t chosen = choose(static_cast<std::uint64_t>(select_high[i]) << 32 | select_low[i]);
     if (chosen < triangles_.size() && !triangles_[chosen].varies) {
       out.emitter[i] = static_cast<std::uint32_t>(chosen);
       out.triangles |= 1u << i;
@@ -247,7 +265,8 @@ float Lights::environment_pdf(const vec3& wi) const {
 
 std::size_t Lights::bytes() const {
   return triangles_.capacity() * sizeof(TriangleEmitter) + spheres_.capacity() * sizeof(std::uint32_t) +
-         (cdf_.capacity() + material_luminance_.capacity()) * sizeof(float) + environment_.bytes();
+         first_.capacity() * sizeof(std::uint64_t) + material_luminance_.capacity() * sizeof(float) +
+         environment_.bytes();
 }
 
 }  // namespace raylab

@@ -189,18 +189,20 @@ class Wavefront {
                      WideMask bent, const MaterialLanes<Wide>& material, const WideVec3& color, const WideVec3& wo_local,
                      const WideVec3& throughput) {
     const WideVec2 u = sampler.get2(draws + kLightPoint);
-    const Wide choice = sampler.get1(draws + kLightChoice);
     const LightTable& few = shading_.light_table;
     WideMask triangles = lanes;
     light_.infinite = 0;
     if (few.count == 0) {
-      alignas(64) float choices[kMostLanes], u_x[kMostLanes], u_y[kMostLanes];
+      alignas(64) std::uint32_t choice_high[kMostLanes], choice_low[kMostLanes];
+      alignas(64) float u_x[kMostLanes], u_y[kMostLanes];
       VectorLanes p;
-      choice.store(choices);
+      const auto choice = sampler.bits2(draws + kLightChoice);
+      choice.first.store(choice_high);
+      choice.second.store(choice_low);
       u.x.store(u_x);
       u.y.store(u_y);
       store3(point.position, p);
-      shading_.lights.sample(lanes.bits(), choices, u_x, u_y, {p[0], p[1], p[2]}, light_);
+      shading_.lights.sample(lanes.bits(), choice_high, choice_low, u_x, u_y, {p[0], p[1], p[2]}, light_);
       triangles = WideMask::of(light_.triangles);
     }
     WideVec3 wi, target, radiance;
@@ -209,6 +211,7 @@ class Wavefront {
       WideUInt chosen(0u);
       const float* const table = shading_.emitters;
       if (few.count != 0) {
+        const Wide choice = sampler.get1(draws + kLightChoice);
         for (int i = 0; i < few.count - 1; ++i)
           chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
       } else {

@@ -85,13 +85,13 @@ struct TriangleEmitter {
   bool varies;
 };
 
-/// All emitters of a scene that has few, if they are triangles of constant radiance, for lookup by lanes: one column for
-/// each number that sampling reads.
+/// All emitters of a scene that has few, if they are triangles of constant radiance whose probabilities numbers of
+/// 24 bits do justice to, for lookup by lanes: one column for each number that sampling reads.
 struct LightTable {
   static constexpr int kMost = 16;
   static constexpr int kColumns = 17;  ///< EmittingTriangle<float> and the radiance
   int count = 0;                       ///< 0: the scene is not of this kind
-  alignas(64) float cdf[kMost];        ///< as in Lights
+  alignas(64) float cdf[kMost];        ///< for all but the last the least number that chooses a later one
   alignas(64) float columns[kColumns][kMost];
 };
 
@@ -104,15 +104,18 @@ class Lights {
  public:
   Lights(const Scene& scene, const SceneNeeds& needs);
 
-  bool empty() const { return cdf_.empty(); }
-  std::size_t count() const { return cdf_.size(); }
+  bool empty() const { return first_.empty(); }
+  std::size_t count() const { return first_.size(); }
 
-  /// Chooses an emitter by `select` and a point of it by `u`, as seen from p.
-  LightSample sample(const vec3& p, float select, const vec2& u) const;
+  /// Chooses an emitter by `select`, a number in units of 2^-64, and a point of it by `u`, as seen from p. With
+  /// fewer bits the weak emitters of many would be chosen with probabilities that have little to do with their
+  /// densities.
+  LightSample sample(const vec3& p, std::uint64_t select, const vec2& u) const;
 
-  /// The same for the lanes of a mask, as seen from positions given as arrays of x, y and z.
-  void sample(std::uint32_t lanes, const float* select, const float* u, const float* v, const float* const (&p)[3],
-              LightLanes& out) const;
+  /// The same for the lanes of a mask, by the upper and the lower halves of numbers, as seen from positions given
+  /// as arrays of x, y and z.
+  void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
+              const float* u, const float* v, const float* const (&p)[3], LightLanes& out) const;
 
   /// Density per steradian at p with which sample() gives the point `hit_position` of an emitter that a ray of unit
   /// direction wi has hit: a triangle with unit normal ng and the material's mean luminance, or a sphere.
@@ -133,8 +136,9 @@ class Lights {
 
  private:
   void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
+  void fill_choice(const std::vector<double>& powers);
   void fill_table();
-  std::size_t choose(float select) const;
+  std::size_t choose(std::uint64_t select) const;
   LightSample sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const;
   LightSample sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
   LightSample sample_sphere(std::uint32_t sphere, const vec3& p, const vec2& u) const;
@@ -143,8 +147,8 @@ class Lights {
   const Scene& scene_;
   std::vector<TriangleEmitter> triangles_;
   std::vector<std::uint32_t> spheres_;  ///< ids of those that emit
-  /// Cumulated probability up to and including each emitter: triangles, spheres, and the environment if sampled.
-  std::vector<float> cdf_;
+  /// The least number that chooses each emitter: triangles, spheres, and the environment if sampled.
+  std::vector<std::uint64_t> first_;
   std::vector<float> material_luminance_;
   double inv_total_power_ = 0.0;
   float environment_probability_ = 0.0f;
