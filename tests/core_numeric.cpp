@@ -2,9 +2,8 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "raylab/core/frame.hpp"
 #include "raylab/core/numeric.hpp"
-#include "raylab/core/random.hpp"
+#include "glm_formulas.hpp"
 
 using namespace raylab;
 
@@ -45,7 +44,7 @@ TEST_CASE("gamma_bound covers the error of a long float sum", "[unit][core]") {
 TEST_CASE("a frame is orthonormal and right-handed around any unit vector", "[unit][core]") {
   double worst = 0.0;
   const auto try_normal = [&](const vec3& n) {
-    const Frame f(n);
+    const test::GlmFrame f(n);
     const double errors[] = {glm::dot(f.x, f.y),        glm::dot(f.y, f.z),
                              glm::dot(f.z, f.x),        glm::dot(f.x, f.x) - 1.0f,
                              glm::dot(f.y, f.y) - 1.0f, glm::length(glm::cross(f.x, f.y) - f.z)};

@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "core_statistics.hpp"
 #include "raylab/core/numeric.hpp"
+#include "core/low_discrepancy.hpp"
 #include "raylab/core/random.hpp"
 
 using namespace raylab;

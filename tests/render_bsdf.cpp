@@ -4,10 +4,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "glm_formulas.hpp"
 #include "core_statistics.hpp"
-#include "raylab/core/frame.hpp"
-#include "raylab/core/random.hpp"
-#include "raylab/render/bsdf.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
@@ -68,7 +66,7 @@ struct Grid {
     return result;
   }
 
-  Frame frame;
+  GlmFrame frame;
   double spread;
 };
 
@@ -80,7 +78,7 @@ double absorbed(double cosine, double fuzz) { return std::max(0.0, (fuzz - cosin
 void compare_with_density(const Material& m, const vec3& wo, const Grid& grid, double expected_absorbed) {
   constexpr int kCount = 200000;
   const Rgb color(0.3f, 0.5f, 0.9f);
-  std::vector<double> expected = grid.integrate([&](const vec3& w) { return eval_bsdf(m, color, wo, w).pdf; });
+  std::vector<double> expected = grid.integrate([&](const vec3& w) { return test::eval_bsdf(m, color, wo, w).pdf; });
   double integral = 0.0;
   for (double& p : expected) {
     integral += p;
@@ -91,12 +89,12 @@ void compare_with_density(const Material& m, const vec3& wo, const Grid& grid, d
   std::vector<double> counted(expected.size(), 0.0);
   int bad = 0, off_grid = 0, rim = 0;
   for (std::uint64_t i = 0; i < kCount; ++i) {
-    const BsdfSample s = sample_bsdf(m, color, wo, false, random_point(i), 0.0f);
+    const GlmBsdfSample s = test::sample_bsdf(m, color, wo, false, random_point(i), 0.0f);
     if (is_black(s.weight)) {
       ++counted.back();
       continue;
     }
-    const BsdfValue f = eval_bsdf(m, color, wo, s.wi);
+    const GlmBsdfValue f = test::eval_bsdf(m, color, wo, s.wi);
     bad += s.delta || s.weight != color || !(s.wi.z > 0.0f) || std::abs(glm::length(s.wi) - 1.0f) > 1e-5f ||
            s.eta_squared != 1.0f;
     // Where the density goes to infinity a sample must not be lost, but what it evaluates to there may be.
@@ -158,8 +156,8 @@ TEST_CASE("a fuzzy metal loses nothing at the rim of its reflection, however sma
     INFO("fuzz " << fuzz);
     int lost = 0, bad = 0;
     for (std::uint64_t i = 0; i < 20000; ++i) {
-      const BsdfSample s =
-          sample_bsdf(metal(grey(1.0f), fuzz), Rgb(0.5f), from_angle(60.0), false, random_point(i), 0.0f);
+      const GlmBsdfSample s =
+          test::sample_bsdf(metal(grey(1.0f), fuzz), Rgb(0.5f), from_angle(60.0), false, random_point(i), 0.0f);
       lost += is_black(s.weight);
       bad += !(s.pdf > 0.0f && s.pdf < kInfinity);
     }
@@ -173,11 +171,11 @@ TEST_CASE("the density of another fuzz does not pass for that of the samples", "
   const vec3 wo = from_angle(30.0);
   const Grid grid(mirror(wo), 0.31);
   const Material m = metal(grey(1.0f), 0.31f);
-  std::vector<double> expected = grid.integrate([&](const vec3& w) { return eval_bsdf(m, Rgb(1.0f), wo, w).pdf; });
+  std::vector<double> expected = grid.integrate([&](const vec3& w) { return test::eval_bsdf(m, Rgb(1.0f), wo, w).pdf; });
   for (double& p : expected) p *= 200000.0;
   std::vector<double> counted(expected.size(), 0.0);
   for (std::uint64_t i = 0; i < 200000; ++i) {
-    ++counted[grid.cell(sample_bsdf(metal(grey(1.0f), 0.3f), Rgb(1.0f), wo, false, random_point(i), 0.0f).wi)];
+    ++counted[grid.cell(test::sample_bsdf(metal(grey(1.0f), 0.3f), Rgb(1.0f), wo, false, random_point(i), 0.0f).wi)];
   }
   CHECK(chi_square_z(counted, expected) > 10.0 * kLimitZ);
 }
@@ -188,8 +186,8 @@ TEST_CASE("a lambertian surface reflects the same in both directions", "[unit][b
   for (std::uint64_t i = 0; i < 200; ++i) {
     const vec3 a = cosine_hemisphere(random_point(i, 1));
     const vec3 b = cosine_hemisphere(random_point(i, 2));
-    const Rgb f = eval_bsdf(m, color, a, b).value / b.z;
-    const Rgb g = eval_bsdf(m, color, b, a).value / a.z;
+    const Rgb f = test::eval_bsdf(m, color, a, b).value / b.z;
+    const Rgb g = test::eval_bsdf(m, color, b, a).value / a.z;
     CHECK(glm::length(f - g) < 1e-6f);
     CHECK(glm::length(f - color * kInvPi) < 1e-6f);
   }
@@ -203,8 +201,8 @@ TEST_CASE("no surface reflects more light than it gets", "[statistical][bsdf]") 
         double power = 0.0;
         const int count = 4000;
         for (std::uint64_t i = 0; i < count; ++i) {
-          const BsdfSample s =
-              sample_bsdf(m, Rgb(1.0f), from_angle(angle), inside, random_point(i, 3), random_point(i, 4).x);
+          const GlmBsdfSample s =
+              test::sample_bsdf(m, Rgb(1.0f), from_angle(angle), inside, random_point(i, 3), random_point(i, 4).x);
           // What refraction takes from radiance it gives back in solid angle.
           power += s.weight.g * s.eta_squared;
         }
@@ -220,16 +218,16 @@ TEST_CASE("nothing is reflected below the surface, nor by materials without a de
   for (const Material& m : {lambertian(grey(1.0f)), metal(grey(1.0f), 0.7f)}) {
     CHECK(has_density(m));
     for (const vec3& wi : {vec3(0, 0, -1), vec3(1, 0, 0), glm::normalize(vec3(0.5f, 0.2f, -0.1f))}) {
-      CHECK(is_black(eval_bsdf(m, Rgb(1.0f), wo, wi).value));
-      CHECK(eval_bsdf(m, Rgb(1.0f), wo, wi).pdf == 0.0f);
+      CHECK(is_black(test::eval_bsdf(m, Rgb(1.0f), wo, wi).value));
+      CHECK(test::eval_bsdf(m, Rgb(1.0f), wo, wi).pdf == 0.0f);
     }
   }
   for (const Material& m : {metal(grey(1.0f), 0.0f), glass(), light(grey(1.0f))}) {
     CHECK_FALSE(has_density(m));
-    CHECK(eval_bsdf(m, Rgb(1.0f), wo, mirror(wo)).pdf == 0.0f);
+    CHECK(test::eval_bsdf(m, Rgb(1.0f), wo, mirror(wo)).pdf == 0.0f);
   }
-  CHECK(is_black(sample_bsdf(light(grey(1.0f)), Rgb(1.0f), wo, false, vec2(0.5f), 0.5f).weight));
-  const BsdfSample mirrored = sample_bsdf(metal(grey(1.0f), 0.0f), Rgb(0.5f), wo, false, vec2(0.5f), 0.5f);
+  CHECK(is_black(test::sample_bsdf(light(grey(1.0f)), Rgb(1.0f), wo, false, vec2(0.5f), 0.5f).weight));
+  const GlmBsdfSample mirrored = test::sample_bsdf(metal(grey(1.0f), 0.0f), Rgb(0.5f), wo, false, vec2(0.5f), 0.5f);
   CHECK(mirrored.delta);
   CHECK(mirrored.wi == mirror(wo));
   CHECK(mirrored.weight == Rgb(0.5f));
@@ -246,7 +244,7 @@ TEST_CASE("the ends of the random numbers give finite directions for every mater
         for (const float v : kEnds) {
           for (const float lobe : kEnds) {
             for (const bool inside : {false, true}) {
-              const BsdfSample s = sample_bsdf(m, Rgb(1.0f), from_angle(angle), inside, {u, v}, lobe);
+              const GlmBsdfSample s = test::sample_bsdf(m, Rgb(1.0f), from_angle(angle), inside, {u, v}, lobe);
               bad += !is_finite(s.wi) || !is_finite(s.weight) || !(s.pdf >= 0.0f) || !std::isfinite(s.pdf);
               if (!is_black(s.weight)) bad += std::abs(glm::length(s.wi) - 1.0f) > 1e-5f;
             }
@@ -305,7 +303,7 @@ TEST_CASE("beyond the critical angle, and only there, all light is reflected", "
     CHECK(fresnel_dielectric(cosine, 1.0f / 1.5f, cos_t) == 1.0f);
     CHECK(cos_t == 0.0f);
     CHECK(fresnel_dielectric(cosine, 1.5f, cos_t) < 1.0f);
-    const BsdfSample s = sample_bsdf(glass(), Rgb(1.0f), from_angle(degrees), true, vec2(0.5f), kOneMinusEpsilon);
+    const GlmBsdfSample s = test::sample_bsdf(glass(), Rgb(1.0f), from_angle(degrees), true, vec2(0.5f), kOneMinusEpsilon);
     CHECK(s.wi == mirror(from_angle(degrees)));
     CHECK(s.weight == Rgb(1.0f));
     CHECK(s.eta_squared == 1.0f);
@@ -321,11 +319,11 @@ TEST_CASE("light that goes into glass and out again is neither bent nor dimmed",
   for (const float index : {1.33f, 1.5f, 2.4f, 0.8f}) {
     for (const double degrees : {0.0, 10.0, 30.0, 50.0}) {
       const vec3 wo = from_angle(degrees);
-      const BsdfSample in = sample_bsdf(glass(index), Rgb(1.0f), wo, false, vec2(0.5f), kOneMinusEpsilon);
+      const GlmBsdfSample in = test::sample_bsdf(glass(index), Rgb(1.0f), wo, false, vec2(0.5f), kOneMinusEpsilon);
       REQUIRE(in.wi.z < 0.0f);
       CHECK(std::hypot(in.wi.x, in.wi.y) * index == Approx(std::hypot(wo.x, wo.y)).margin(1e-6));
       // On the far, parallel side: the frame's z axis points against the direction of travel again.
-      const BsdfSample out = sample_bsdf(glass(index), Rgb(1.0f), -in.wi, true, vec2(0.5f), kOneMinusEpsilon);
+      const GlmBsdfSample out = test::sample_bsdf(glass(index), Rgb(1.0f), -in.wi, true, vec2(0.5f), kOneMinusEpsilon);
       REQUIRE(out.wi.z < 0.0f);
       CHECK(in.eta_squared * out.eta_squared == Approx(1.0f).epsilon(1e-6));
       CHECK((in.weight * out.weight).g == Approx(1.0f).epsilon(1e-6));

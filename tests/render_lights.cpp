@@ -6,10 +6,9 @@
 #include "catch.hpp"
 #include "core_statistics.hpp"
 #include "raylab/accel/accelerator.hpp"
-#include "raylab/core/frame.hpp"
 #include "raylab/core/parallel.hpp"
-#include "raylab/core/random.hpp"
-#include "raylab/render/lights.hpp"
+#include "glm_formulas.hpp"
+#include "render/lights.hpp"
 #include "raylab/scene/surface_point.hpp"
 #include "test_scenes.hpp"
 
@@ -38,7 +37,7 @@ double density(const Scene& scene, const Lights& lights, const Accelerator& acce
   Ray ray{p, wi};
   std::vector<bool> seen(scene.geometry.spheres.size(), false);
   while (const auto hit = accelerator.intersect(ray)) {
-    const auto point = surface_point<true, false, true>(scene.geometry, ray, *hit);
+    const auto point = surface_point(scene.geometry, ray, *hit);
     const std::uint32_t material = scene.material_of(hit->geometry, hit->primitive);
     if (scene.geometry.is_sphere(hit->geometry)) {
       if (!seen[hit->primitive]) sum += lights.sphere_pdf(hit->primitive, material, p, point.position, wi);
@@ -59,7 +58,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
   const FlushDenormals flush;
   const auto accelerator = make_accelerator("embree-robust", scene.geometry);
   const Lights lights(scene, scene_needs(scene));
-  const Frame frame(glm::normalize(axis));
+  const test::GlmFrame frame(glm::normalize(axis));
   const double widest = 1.0 - std::cos(angle * kPiD / 180.0);
 
   std::vector<double> expected(kRings * kSectors, 0.0), counted(kRings * kSectors, 0.0);
@@ -108,7 +107,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
     const float length = glm::length(to_target);
     const auto hit = accelerator->intersect({p, s.wi, 0.999f * length, kInfinity});
     if (!hit || std::abs(hit->t - length) > 1e-3f * length) continue;  // its very rim
-    const auto point = surface_point<true, true, true>(scene.geometry, Ray{p, s.wi}, *hit);
+    const auto point = surface_point(scene.geometry, Ray{p, s.wi}, *hit);
     const std::uint32_t material = scene.material_of(hit->geometry, hit->primitive);
     const float pdf = scene.geometry.is_sphere(hit->geometry)
                           ? lights.sphere_pdf(hit->primitive, material, p, point.position, s.wi)
@@ -259,8 +258,8 @@ double frequency_of_choice(const Lights& lights, std::uint32_t i) {
 
 /// The probability that the density of triangle i's points amounts to.
 double density_of_choice(const Lights& lights, std::uint32_t i) {
-  const EmittingTriangle<float>& shape = lights.emitting_triangles()[i].shape;
-  return shape.pdf_area * 0.5 * glm::length(glm::cross(dvec3(shape.e1), dvec3(shape.e2)));
+  const TriangleEmitter& t = lights.emitting_triangles()[i];
+  return t.pdf_area * 0.5 * glm::length(glm::cross(dvec3(t.e1), dvec3(t.e2)));
 }
 
 /// Triangle lights of one material and of powers from 1 to `ratio`.

@@ -1,6 +1,6 @@
 // Interpolated normals that lean away from the faces: light must neither be lost nor leak.
 #include "catch.hpp"
-#include "raylab/render/bsdf.hpp"
+#include "glm_formulas.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
@@ -36,7 +36,7 @@ TEST_CASE("folded at the surface, a lobe keeps its energy and its density", "[st
         // Midpoints of an equal-area grid over the sphere.
         const vec3 wi = uniform_sphere({(i + 0.5f) / kSide, (j + 0.5f) / kSide});
         if (glm::dot(wi, ng) > 0.0f) {
-          const BsdfValue f = eval_bsdf_above<float>(material_lanes(material), material.color.a, wo, wi, ng);
+          const auto f = test::eval_bsdf_above(material, material.color.a, wo, wi, ng);
           if (f.pdf > kRim) continue;
           integral += static_cast<double>(f.pdf) * 4.0 * static_cast<double>(kPi) / (kSide * kSide);
         }
@@ -46,13 +46,13 @@ TEST_CASE("folded at the surface, a lobe keeps its energy and its density", "[st
     constexpr std::uint32_t kSamples = 100'000;
     for (std::uint32_t s = 0; s < kSamples; ++s) {
       const Sampler numbers(SamplerKind::independent, 3, 1, 2, s);
-      const BsdfSample b =
-          sample_bsdf_above<float>(material_lanes(material), material.color.a, wo, ng, false, numbers.get2(0), numbers.get1(1));
+      const auto b =
+          test::sample_bsdf_above(material, material.color.a, wo, ng, false, numbers.get2(0), numbers.get1(1));
       if (is_black(b.weight)) continue;
       REQUIRE(glm::dot(b.wi, ng) >= 0.0f);
       if (b.pdf > kRim) continue;
       ++sampled;
-      REQUIRE(b.pdf == Approx(eval_bsdf_above<float>(material_lanes(material), material.color.a, wo, b.wi, ng).pdf).epsilon(0.02));
+      REQUIRE(b.pdf == Approx(test::eval_bsdf_above(material, material.color.a, wo, b.wi, ng).pdf).epsilon(0.02));
     }
     INFO(integral << " integrated, " << sampled << " of " << kSamples << " sampled");
     CHECK(integral == Approx(static_cast<double>(sampled) / kSamples).margin(0.005));

@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "core_statistics.hpp"
 #include "expect_error.hpp"
-#include "raylab/core/random.hpp"
+#include "glm_formulas.hpp"
 #include "raylab/scene/camera.hpp"
 
 using namespace raylab;
@@ -118,7 +118,7 @@ TEST_CASE("the map from the square to the disk keeps areas", "[statistical][came
   const int side = 400;
   for (int i = 0; i < side; ++i) {
     for (int k = 0; k < side; ++k) {
-      const vec2 p = concentric_disk({(i + 0.5f) / side, (k + 0.5f) / side});
+      const vec2 p = test::disk({(i + 0.5f) / side, (k + 0.5f) / side});
       const float r2 = glm::dot(p, p);
       REQUIRE(r2 <= 1.0f);
       const int ring = std::min(7, static_cast<int>(r2 * 8.0f));
@@ -128,9 +128,9 @@ TEST_CASE("the map from the square to the disk keeps areas", "[statistical][came
   }
   // The grid is far more even than chance; only the places where it cuts a cell show.
   for (const double n : counted) CHECK(n == Approx(side * side / 128.0).epsilon(0.05));
-  CHECK(concentric_disk(vec2(0.5f)) == vec2(0.0f));
-  CHECK(glm::length(concentric_disk(vec2(0.0f))) == Approx(1.0f));
-  CHECK(glm::length(concentric_disk(vec2(kOneMinusEpsilon, 0.0f))) == Approx(1.0f));
+  CHECK(test::disk(vec2(0.5f)) == vec2(0.0f));
+  CHECK(glm::length(test::disk(vec2(0.0f))) == Approx(1.0f));
+  CHECK(glm::length(test::disk(vec2(kOneMinusEpsilon, 0.0f))) == Approx(1.0f));
 }
 
 TEST_CASE("a camera that makes no picture is refused with the key and the value", "[unit][camera]") {

@@ -3,7 +3,7 @@
 
 #include "catch.hpp"
 #include "core_statistics.hpp"
-#include "raylab/core/random.hpp"
+#include "glm_formulas.hpp"
 #include "raylab/scene/environment.hpp"
 #include "test_scenes.hpp"
 

@@ -6,10 +6,8 @@
 
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
-#include "raylab/core/frame.hpp"
 #include "raylab/core/parallel.hpp"
-#include "raylab/core/random.hpp"
-#include "raylab/render/bsdf.hpp"
+#include "glm_formulas.hpp"
 #include "raylab/scene/surface_point.hpp"
 #include "test_scenes.hpp"
 
@@ -40,7 +38,7 @@ class Random {
     const float z = sign() * std::pow(10.0f, -7.0f * unit());
     const float phi = 2.0f * kPi * unit();
     const float r = std::sqrt(1.0f - z * z);
-    return glm::normalize(Frame(n).to_world({r * std::cos(phi), r * std::sin(phi), z}));
+    return glm::normalize(test::GlmFrame(n).to_world({r * std::cos(phi), r * std::sin(phi), z}));
   }
 
  private:
@@ -76,7 +74,7 @@ Triangle any_triangle(Random& random) {
 
 Triangle needle(Random& random, float width) {
   const vec3 along = random.direction();
-  return {-along, along, (2.0f * random.unit() - 1.0f) * along + width * Frame(along).x};
+  return {-along, along, (2.0f * random.unit() - 1.0f) * along + width * test::GlmFrame(along).x};
 }
 
 /// A triangle across a coordinate axis, at 0 or elsewhere.
@@ -126,7 +124,7 @@ Restarts restart(const Geometry& geometry, const Accelerator& accelerator, float
       const Ray ray{target - 3.0f * scale * d, d};
       const auto hit = accelerator.intersect(ray);
       if (!hit || hit->primitive != i) continue;
-      const auto point = surface_point<false, false, true>(geometry, ray, *hit);
+      const auto point = surface_point(geometry, ray, *hit);
       const vec3 wi = random.around(point.ng);
       const vec3 origin = start == Start::bounds ? offset_origin(point, wi) : point.position;
       ++result.started;
@@ -249,7 +247,7 @@ TEST_CASE("no ray that leaves a sphere hits it, and one that enters it meets the
         const auto hit = accelerator->intersect(ray);
         if (!hit) continue;
         ++started;
-        const auto point = surface_point<true, false, true>(geometry, ray, *hit);
+        const auto point = surface_point(geometry, ray, *hit);
         const vec3 wi = random.around(point.ng);
         const Ray next{offset_origin(point, wi), wi};
         const auto again = accelerator->intersect(next);
@@ -286,7 +284,7 @@ TEST_CASE("a sphere just inside another is found from the outer one", "[stabilit
       const Ray ray{0.9f * random.direction() - 4.0f * d, d};
       const auto hit = accelerator->intersect(ray);
       if (!hit || hit->primitive != 1) continue;
-      const auto point = surface_point<true, false, true>(geometry, ray, *hit);
+      const auto point = surface_point(geometry, ray, *hit);
       const vec3 wi = random.direction();
       if (glm::dot(wi, point.ng) > -0.1f) continue;
       ++tried;
@@ -314,7 +312,7 @@ TEST_CASE("a surface point keeps the geometric normal beside the interpolated on
   geometry.meshes = {mesh};
   const auto at = [&](float u, float v, float from) {
     const vec3 p(u, v, 0.0f);
-    return surface_point<false, true, true>(geometry, Ray{p + vec3(0, 0, from), vec3(0, 0, -from)},
+    return surface_point(geometry, Ray{p + vec3(0, 0, from), vec3(0, 0, -from)},
                                       Hit{1.0f, u, v, 0, 0});
   };
   const SurfacePoint point = at(0.25f, 0.25f, 1.0f);

@@ -41,7 +41,7 @@ void add_picture_options(CLI::App& app, PictureCommand& command) {
                  "default) or best (several times the time, for scenes of large or long triangles)");
   app.add_option("--bvh-quality", command.quality)->group("");  // the old name, not shown
   app.add_flag("--compact", command.compact, "A tree of Embree that takes less memory, and more time");
-  app.add_option("--integrator", command.integrator, "path or book")->capture_default_str();
+  app.add_option("--integrator", command.integrator, "path, book, or reference: path ray by ray, for reading and checking")->capture_default_str();
   app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
   app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
   app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio");

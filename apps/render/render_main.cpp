@@ -138,8 +138,8 @@ int render(const RenderCommand& command) {
                             accelerator->build_report(),
                             stats,
                             session.needs(),
-                            session.integrator().lights().count(),
-                            session.integrator().lights().bytes(),
+                            session.integrator().light_count(),
+                            session.integrator().light_bytes(),
                             load_seconds,
                             film.estimated_relmse(),
                             partial};

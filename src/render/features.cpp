@@ -35,7 +35,7 @@ FirstHitFeatures first_hit_features(const Scene& scene, const Accelerator& accel
         const CameraSample sample = camera_sample(camera, options, x, y, options.first_sample + s);
         const std::optional<Hit> hit = accelerator.intersect(sample.ray);
         if (!hit) continue;
-        const auto point = surface_point<true, true, true>(scene.geometry, sample.ray, *hit);
+        const auto point = surface_point(scene.geometry, sample.ray, *hit);
         albedo += albedo_of(scene, *hit, point);
         normal += glm::dot(point.ng, sample.ray.direction) > 0.0f ? -point.ns : point.ns;
         depth += hit->t * glm::dot(sample.ray.direction, camera.forward());

@@ -3,18 +3,29 @@
 #include <string>
 
 #include "raylab/core/error.hpp"
-#include "shading_scene.hpp"
+#include "reference_integrator.hpp"
 
 namespace raylab {
 
 IntegratorKind parse_integrator(std::string_view name) {
   if (name == "path") return IntegratorKind::path;
   if (name == "book") return IntegratorKind::book;
+  if (name == "reference") return IntegratorKind::reference;
   throw Error(ErrorKind::usage, "--integrator",
-              "unknown integrator \"" + std::string(name) + "\"; expected path or book");
+              "unknown integrator \"" + std::string(name) + "\"; expected path, book or reference");
 }
 
-std::string_view integrator_name(IntegratorKind kind) { return kind == IntegratorKind::path ? "path" : "book"; }
+std::string_view integrator_name(IntegratorKind kind) {
+  switch (kind) {
+    case IntegratorKind::path:
+      return "path";
+    case IntegratorKind::book:
+      return "book";
+    case IntegratorKind::reference:
+      break;
+  }
+  return "reference";
+}
 
 namespace {
 
@@ -40,9 +51,15 @@ Integrator::Integrator(const Scene& scene, const Camera& camera, const Accelerat
 Integrator::~Integrator() = default;
 
 void Integrator::trace(const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) const {
-  kernel_(*shading_, paths, radiance, counts);
+  if (shading_->settings.kind == IntegratorKind::reference) {
+    ReferenceIntegrator(*shading_).trace(paths, radiance, counts);
+  } else {
+    kernel_(*shading_, paths, radiance, counts);
+  }
 }
 
-const Lights& Integrator::lights() const { return shading_->lights; }
+std::size_t Integrator::light_count() const { return shading_->lights.count(); }
+
+std::size_t Integrator::light_bytes() const { return shading_->lights.bytes(); }
 
 }  // namespace raylab

@@ -1,10 +1,11 @@
-#include "raylab/render/lights.hpp"
+#include "lights.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "raylab/core/frame.hpp"
+#include "core/frame.hpp"
+#include "light_lanes.hpp"
 #include "raylab/scene/surface_point.hpp"
 
 namespace raylab {
@@ -69,7 +70,7 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   if (!(total > 0.0)) return;
   inv_total_power_ = 1.0 / total;
   fill_choice(powers);
-  for (TriangleEmitter& t : triangles_) t.shape.pdf_area = triangle_pdf_area(t.material);
+  for (TriangleEmitter& t : triangles_) t.pdf_area = triangle_pdf_area(t.material);
   if (powers.size() > triangles_.size() + spheres_.size()) {
     environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
   }
@@ -106,7 +107,7 @@ void Lights::fill_table() {
   }
   static_assert(offsetof(TriangleEmitter, radiance) == (LightTable::kColumns - 3) * sizeof(float));
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    const float* const row = &triangles_[i].shape.p0.x;
+    const float* const row = &triangles_[i].p0.x;
     for (std::size_t k = 0; k < LightTable::kColumns; ++k) table_.columns[k][i] = row[k];
   }
 }
@@ -118,12 +119,10 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   const Triangle corners = triangle_corners(mesh, triangle);
   const double power = material_luminance_[material] * triangle_power(corners);
   if (!(power > 0.0)) return;
-  SurfacePoint point;
-  place_on_triangle(corners, 0.0f, 0.0f, point);
+  const SurfacePoint point = point_on_triangle(corners, 0.0f, 0.0f);
   const Texture& texture = scene_.materials[material].color;
   triangles_.push_back(
-      {{corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f},
-       texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
+      {corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f, texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
   powers.push_back(power);
 }
 
@@ -173,7 +172,8 @@ void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const
 }
 
 LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const {
-  const TriangleLightSample<float> s = raylab::sample_triangle<float>(emitter.shape, p, u);
+  const TriangleLightSample<float> s = sample_triangle<float>(
+      {emitter.p0, emitter.e1, emitter.e2, emitter.ng, emitter.offset, emitter.pdf_area}, p, {u.x, u.y});
   LightSample light;
   if (!(s.pdf > 0.0f)) return light;
   light.wi = s.wi;
@@ -198,7 +198,7 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
     const float z = 1.0f - 2.0f * u.x;
     const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
     const float phi = 2.0f * kPi * u.y;
-    place_on_sphere(sphere, sphere.center + sphere.radius * vec3(r * std::cos(phi), r * std::sin(phi), z), point);
+    point = point_on_sphere(sphere, sphere.center + sphere.radius * vec3(r * std::cos(phi), r * std::sin(phi), z));
   } else {
     // Uniform in the cone of directions that meet the sphere; the angle alpha at its centre gives the point
     // (pbrt-v4 §6.2.4).
@@ -213,7 +213,7 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
     const float phi = 2.0f * kPi * u.y;
     const Frame frame(-to_center / d);
     const vec3 n = frame.to_world(vec3(sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha));
-    place_on_sphere(sphere, sphere.center + sphere.radius * n, point);
+    point = point_on_sphere(sphere, sphere.center + sphere.radius * n);
   }
   LightSample light;
   light.wi = glm::normalize(point.position - p);

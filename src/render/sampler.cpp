@@ -1,5 +1,7 @@
 #include "raylab/render/sampler.hpp"
 
+#include "sampler_lanes.hpp"
+
 #include <string>
 
 #include "raylab/core/error.hpp"
@@ -15,6 +17,15 @@ SamplerKind parse_sampler(std::string_view name) {
 
 std::string_view sampler_name(SamplerKind kind) {
   return kind == SamplerKind::independent ? "independent" : "sobol";
+}
+
+float Sampler::get1(std::uint32_t d) const {
+  return BasicSampler<float>(kind_, pixel_.low, pixel_.high, sample_).get1(d);
+}
+
+vec2 Sampler::get2(std::uint32_t d) const {
+  const Vec2<float> u = BasicSampler<float>(kind_, pixel_.low, pixel_.high, sample_).get2(d);
+  return {u.x, u.y};
 }
 
 }  // namespace raylab

@@ -12,8 +12,8 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
       needs(needs_),
       settings(settings_),
       lights(scene_, needs_),
-      sample_lights(settings_.kind == IntegratorKind::path && !lights.empty()),
-      emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].shape.p0.x),
+      sample_lights(settings_.kind != IntegratorKind::book && !lights.empty()),
+      emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].p0.x),
       light_table(lights.table()) {
   materials.reserve(scene.materials.size() + 1);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
@@ -49,6 +49,9 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
       const float* const row = &sphere.center.x;
       static_assert(sizeof(Sphere) == 4 * sizeof(float));
       for (int k = 0; k < 4; ++k) out.corner[k][i] = row[k];
+      if (needs.shading_normals) {
+        for (int k = 0; k < 3; ++k) out.normal_sum[k][i] = 0.0f;
+      }
       material_id = scene.sphere_materials[primitive];
       out.spheres |= 1u << i;
     } else {

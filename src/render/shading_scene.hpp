@@ -1,6 +1,7 @@
 #pragma once
 // What the wavefront reads of a scene. Its functions are compiled once for all instruction sets: they gather what the
 // lanes of a vector need from the scene's arrays, and do lane by lane what few lanes need.
+#include "lights.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/surface_point.hpp"
 

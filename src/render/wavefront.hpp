@@ -1,63 +1,58 @@
 #pragma once
-// The path tracing loop, compiled once for each instruction set. All of it is local to the including file. It calls no
-// inline function on plain floats: one could end up in the program as compiled for the newer processor.
+// The path tracing loop over many paths at a time, compiled once for each instruction set: see core/simd/lanes.hpp. What
+// happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
 #include <cstddef>
 
-#include "raylab/core/frame.hpp"
-#include "raylab/core/wide.hpp"
-#include "raylab/render/bsdf.hpp"
+#include "core/simd/vector.hpp"
+#include "path_vertex.hpp"
 #include "shading_scene.hpp"
 
 namespace raylab {
 namespace {
-
-/// Draws of one path segment, from Integrator::kFirstDimension on.
-enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
-
-/// t_min of the One Weekend books.
-constexpr float kBookOffset = 0.001f;
-
-/// Power heuristic for one sample of each strategy (Veach 1997, §9.2).
-Wide mis_weight(Wide pdf, Wide other_pdf) {
-  const Wide a = pdf * pdf;
-  const Wide b = other_pdf * other_pdf;
-  // Densities whose square overflows are delta-like: they take all of the weight.
-  return select(a == Wide(kInfinity), Wide(1.0f), select(a > Wide(0.0f), a / (a + b), Wide(0.0f)));
-}
-
-WideMask is_black(const WideVec3& c) { return (c.x == Wide(0.0f)) & (c.y == Wide(0.0f)) & (c.z == Wide(0.0f)); }
 
 /// Vectors are stored whole, so every array has room for one more.
 constexpr std::size_t kRoom = PathBatch::kMost + kLanes;
 using Floats = float[kRoom];
 using UInts = std::uint32_t[kRoom];
 
-WideVec3 load3(const Floats (&a)[3], std::size_t i) { return WideVec3::load(a[0] + i, a[1] + i, a[2] + i); }
-WideVec3 load3(const VectorLanes& a) { return WideVec3::load(a[0], a[1], a[2]); }
+WideVec3 load3(const Floats (&a)[3], std::size_t i) { return load3(a[0] + i, a[1] + i, a[2] + i); }
+WideVec3 load3(const VectorLanes& a) { return load3(a[0], a[1], a[2]); }
 void store3(const WideVec3& v, VectorLanes& a) {
   v.x.store(a[0]);
   v.y.store(a[1]);
   v.z.store(a[2]);
 }
-void pack3(const WideVec3& v, WideMask m, Floats (&a)[3], std::size_t i) {
-  store_packed(v.x, m, a[0] + i);
-  store_packed(v.y, m, a[1] + i);
-  store_packed(v.z, m, a[2] + i);
+void compress3(const WideVec3& v, WideMask m, Floats (&a)[3], std::size_t i) {
+  compress(v.x, m, a[0] + i);
+  compress(v.y, m, a[1] + i);
+  compress(v.z, m, a[2] + i);
 }
 
-/// The paths of a batch that still go on, side by side.
-struct alignas(64) PathState {
+/// The paths of a batch that still go on, side by side: PathState, and where their numbers come from.
+struct alignas(64) PathQueue {
   Floats origin[3], direction[3], t_min, t_max;
   Floats throughput[3];
-  Floats eta_scale;            ///< undoes the radiance scaling of refraction: roulette sees the path's power
-  Floats scatter_pdf;          ///< density of the last direction; 0: light sampling could not have found it
+  Floats eta_scale, scatter_pdf;
   Floats scatter_position[3];
   UInts seed_low, seed_high, sample;
   UInts slot;  ///< in the batch
+
+  PathState<Wide> load(std::size_t i) const {
+    return {load3(origin, i),           load3(direction, i),         load3(throughput, i),
+            Wide::load(eta_scale + i), Wide::load(scatter_pdf + i), load3(scatter_position, i)};
+  }
+  void store(const PathState<Wide>& p, WideMask lanes, std::size_t i) {
+    compress3(p.origin, lanes, origin, i);
+    compress3(p.direction, lanes, direction, i);
+    compress3(p.throughput, lanes, throughput, i);
+    compress3(p.scatter_position, lanes, scatter_position, i);
+    compress(p.eta_scale, lanes, eta_scale + i);
+    compress(p.scatter_pdf, lanes, scatter_pdf + i);
+  }
 };
 
 /// Shadow rays, and what arrives where nothing is in between.
-struct alignas(64) ShadowState {
+struct alignas(64) ShadowQueue {
   Floats origin[3], direction[3], t_min, t_max;
   Floats radiance[3];
   UInts slot;
@@ -66,11 +61,8 @@ struct alignas(64) ShadowState {
 
 class Wavefront {
  public:
-  Wavefront(const ShadingScene& shading, const PathBatch& paths, BatchRadiance& radiance)
-      : shading_(shading),
-        sampler_kind_(paths.sampler),
-        book_offset_(shading.settings.ray_offset == RayOffset::book),
-        radiance_(radiance) {
+  Wavefront(const ShadingScene& scene, const PathBatch& paths, BatchRadiance& radiance)
+      : scene_(scene), sampler_kind_(paths.sampler), offset_(scene.settings.ray_offset), radiance_(radiance) {
     start(paths);
   }
 
@@ -78,50 +70,40 @@ class Wavefront {
     counts.camera += count_;
     for (int segment = 1; count_ != 0; ++segment) {
       if (segment > 1) counts.scattered += count_;
-      shading_.accelerator.intersect_batch(rays(paths_, count_), {hit_t_, hit_u_, hit_v_, hit_geometry_, hit_primitive_});
+      scene_.accelerator.intersect_batch(rays(paths_, count_), {hit_t_, hit_u_, hit_v_, hit_geometry_, hit_primitive_});
       kept_ = 0;
       shadows_ = 0;
       for (std::size_t first = 0; first < count_; first += kLanes) shade(first, segment);
       count_ = kept_;
       counts.shadow += shadows_;
-      light();
+      trace_shadow_rays();
     }
   }
 
  private:
-  template <class State>
-  static RayBatch rays(const State& s, std::size_t count) {
+  template <class Queue>
+  static RayBatch rays(const Queue& s, std::size_t count) {
     return {count, {s.origin[0], s.origin[1], s.origin[2]}, {s.direction[0], s.direction[1], s.direction[2]}, s.t_min,
             s.t_max};
   }
 
+  BasicSampler<Wide> sampler_of(std::size_t first) const {
+    return {sampler_kind_, WideUInt::load(paths_.seed_low + first), WideUInt::load(paths_.seed_high + first),
+            WideUInt::load(paths_.sample + first)};
+  }
+
   void start(const PathBatch& paths) {
     count_ = paths.count;
+    const WideMask all = first_lanes(kLanes);
     for (std::size_t c = 0; c < 3; ++c) __builtin_memset(radiance_[c].data(), 0, count_ * sizeof(float));
     for (std::size_t i = 0; i < count_; i += kLanes) {
-      const WideUInt seed_low = WideUInt::load(paths.seed_low.data() + i);
-      const WideUInt seed_high = WideUInt::load(paths.seed_high.data() + i);
-      const WideUInt sample = WideUInt::load(paths.sample.data() + i);
-      const BasicSampler<Wide> sampler(sampler_kind_, seed_low, seed_high, sample);
-      const WideVec2 jitter = sampler.get2(Integrator::kPixelDimension);
-      WideVec2 lens{0.5f, 0.5f};
-      if (shading_.needs.lens) lens = sampler.get2(Integrator::kLensDimension);
-      WideVec3 origin, direction;
-      shading_.camera.ray<Wide>(Wide::load(paths.x.data() + i) + jitter.x, Wide::load(paths.y.data() + i) + jitter.y,
-                                lens, origin, direction);
-      direction = direction * (Wide(1.0f) / square_root(dot(direction, direction)));  // unit from here on
-      const WideMask all = first_lanes(kLanes);
-      pack3(origin, all, paths_.origin, i);
-      pack3(direction, all, paths_.direction, i);
-      pack3(WideVec3(Wide(1.0f)), all, paths_.throughput, i);
-      pack3(origin, all, paths_.scatter_position, i);
-      Wide(1.0f).store(paths_.eta_scale + i);
-      Wide(0.0f).store(paths_.scatter_pdf + i);
+      WideUInt::load(paths.seed_low.data() + i).store(paths_.seed_low + i);
+      WideUInt::load(paths.seed_high.data() + i).store(paths_.seed_high + i);
+      WideUInt::load(paths.sample.data() + i).store(paths_.sample + i);
+      paths_.store(camera_path<Wide>(scene_.camera.rays(), sampler_of(i), Wide::load(paths.x.data() + i),
+                                     Wide::load(paths.y.data() + i)), all, i);
       Wide(0.0f).store(paths_.t_min + i);
       Wide(kInfinity).store(paths_.t_max + i);
-      seed_low.store(paths_.seed_low + i);
-      seed_high.store(paths_.seed_high + i);
-      sample.store(paths_.sample + i);
       for (std::size_t k = i; k < i + kLanes; ++k) paths_.slot[k] = static_cast<std::uint32_t>(k);
     }
   }
@@ -136,264 +118,225 @@ class Wavefront {
     }
   }
 
-  /// Rays that have left the scene.
-  void shade_misses(WideMask lanes, std::size_t first, const WideVec3& throughput) {
-    const Environment& environment = shading_.scene.environment;
-    const WideVec3 direction = load3(paths_.direction, first);
+  /// One segment of the paths [first, first + kLanes), stage by stage.
+  void shade(std::size_t first, int segment) {
+    const BasicSampler<Wide> sampler = sampler_of(first);
+    const std::uint32_t draw = first_draw(segment);
+    // A long chain of operations that needs nothing of the hit: begun first, the processor does it beside the others.
+    const WideVec2 u = sampler.get2(draw + kDirection);
+    const WideMask valid = first_lanes(count_ - first);
+    const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
+    scene_.fetch_surfaces(hits, __builtin_popcount(valid.bits()), surfaces_);
+    const MaterialColumns column{scene_, WideUInt::load(surfaces_.material), valid};
+    const MaterialLanes<Wide> material{column(0), column(1), column(2)};
+    PathState<Wide> path = paths_.load(first);
+
+    const WideMask missed = valid & (material.kind == Wide(kMissKind));
+    if (any(missed)) escaped_rays(missed, first, path);
+    const WideMask hit = valid & !missed;
+    if (!any(hit)) return;
+
+    const PointLanes<Wide> point = surface_points(first, hits, path);
+    const WideVec3 color = surface_colors(column, hits, point);
+    const WideMask lights = hit & material.is(Material::Kind::diffuse_light);
+    if (any(lights)) emitters(lights, first, hits, column(3), point, path, color);
+    const WideMask alive = hit & !lights;
+    if (segment >= scene_.settings.max_depth || !any(alive)) return;
+
+    WideVec3 normal_sum;
+    if (scene_.needs.shading_normals) normal_sum = load3(surfaces_.normal_sum);
+    PathVertex<Wide> vertex = path_vertex<Wide>(material, color, point, path.direction,
+                                                scene_.needs.shading_normals ? &normal_sum : nullptr);
+    vertex.bent = vertex.bent & alive;
+    if (scene_.sample_lights) {
+      const WideMask lit = alive & has_density(material);
+      if (any(lit)) light_samples(lit, first, sampler, draw, vertex, path);
+    }
+    go_on(alive, first, segment, sampler, u, vertex, path);
+  }
+
+  /// What materials() has of the lanes' materials, by column.
+  struct MaterialColumns {
+    const ShadingScene& scene;
+    WideUInt id;
+    WideMask valid;
+    Wide operator()(int k) const {
+      return scene.few_materials ? look_up16(scene.material_columns[k], id)
+                                 : gather(scene.material_rows + k, id * kMaterialColumns, valid);
+    }
+  };
+
+  PointLanes<Wide> surface_points(std::size_t first, const HitLanes& hits, const PathState<Wide>& path) const {
+    PointLanes<Wide> point;
+    const auto& c = surfaces_.corner;
+    const WideVec3 p0 = load3(c[0], c[1], c[2]);
+    place_on_triangle<Wide>(p0, load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]), Wide::load(hits.u),
+                            Wide::load(hits.v), point);
+    if (surfaces_.spheres != 0) {
+      const WideMask spheres = WideMask::of(surfaces_.spheres);
+      PointLanes<Wide> on_sphere;
+      place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin + Wide::load(hit_t_ + first) * path.direction, on_sphere);
+      point.position = select<Wide>(spheres, on_sphere.position, point.position);
+      point.ng = select<Wide>(spheres, on_sphere.ng, point.ng);
+      point.offset = select(spheres, on_sphere.offset, point.offset);
+    }
+    return point;
+  }
+
+  WideVec3 surface_colors(const MaterialColumns& column, const HitLanes& hits, const PointLanes<Wide>& point) {
+    const WideVec3 color(column(4), column(5), column(6));
+    if (surfaces_.varying == 0) return color;
+    VectorLanes position, normal;
+    store3(point.position, position);
+    store3(point.ng, normal);
+    scene_.look_up_colors(hits, position, normal, surfaces_);
+    return select<Wide>(WideMask::of(surfaces_.varying), load3(surfaces_.color), color);
+  }
+
+  /// Rays that have left the scene, where their paths end.
+  void escaped_rays(WideMask lanes, std::size_t first, const PathState<Wide>& path) {
+    const Environment& environment = scene_.scene.environment;
     WideVec3 arriving(environment.bottom);
-    if (environment.kind == Environment::Kind::image || (shading_.sample_lights && shading_.needs.environment_sampling)) {
+    if (environment.kind == Environment::Kind::image || (scene_.sample_lights && scene_.needs.environment_sampling)) {
       VectorLanes d, r;
       alignas(64) float pdf[kMostLanes];
-      store3(direction, d);
-      shading_.environment(lanes.bits(), d, r, pdf);
+      store3(path.direction, d);
+      scene_.environment(lanes.bits(), d, r, pdf);
       arriving = load3(r);
-      if (shading_.sample_lights) {
-        const Wide scatter_pdf = Wide::load(paths_.scatter_pdf + first);
-        const Wide weight = mis_weight(scatter_pdf, Wide::load(pdf));
-        arriving *= WideVec3(select(scatter_pdf > Wide(0.0f), weight, Wide(1.0f)));
-      }
+      if (scene_.sample_lights) arriving = arriving * met_light_weight(path, Wide::load(pdf));
     } else if (environment.kind == Environment::Kind::gradient) {
-      const Wide a = Wide(0.5f) * (direction.y + Wide(1.0f));
+      const Wide a = Wide(0.5f) * (path.direction.y + Wide(1.0f));
       arriving = (Wide(1.0f) - a) * WideVec3(environment.bottom) + a * WideVec3(environment.top);
     }
-    add_radiance(lanes, first, throughput * arriving);
+    add_radiance(lanes, first, path.throughput * arriving);
   }
 
   /// Rays that have met an emitter, where their paths end.
-  void shade_lights(WideMask lanes, std::size_t first, const HitLanes& hits, Wide pdf_area,
-                    const BasicSurfacePoint<Wide>& point, const WideVec3& throughput, const WideVec3& radiance) {
+  void emitters(WideMask lanes, std::size_t first, const HitLanes& hits, Wide pdf_area, const PointLanes<Wide>& point,
+                const PathState<Wide>& path, const WideVec3& radiance) {
     Wide weight(1.0f);
-    if (shading_.sample_lights) {
-      const Wide scatter_pdf = Wide::load(paths_.scatter_pdf + first);
-      const WideVec3 scatter_position = load3(paths_.scatter_position, first);
-      const WideVec3 wi = load3(paths_.direction, first);
-      Wide pdf = triangle_pdf<Wide>(pdf_area, scatter_position, point.position, point.ng, wi);
+    if (scene_.sample_lights) {
+      Wide pdf = triangle_pdf<Wide>(pdf_area, path.scatter_position, point.position, point.ng, path.direction);
       const WideMask spheres = lanes & WideMask::of(surfaces_.spheres);
       if (any(spheres)) {
         VectorLanes p, position, direction;
         alignas(64) float sphere_pdf[kMostLanes];
-        store3(scatter_position, p);
+        store3(path.scatter_position, p);
         store3(point.position, position);
-        store3(wi, direction);
-        shading_.sphere_light_pdfs(spheres.bits(), hits, p, position, direction, sphere_pdf);
+        store3(path.direction, direction);
+        scene_.sphere_light_pdfs(spheres.bits(), hits, p, position, direction, sphere_pdf);
         pdf = select(spheres, Wide::load(sphere_pdf), pdf);
       }
-      weight = select(scatter_pdf > Wide(0.0f), mis_weight(scatter_pdf, pdf), Wide(1.0f));
+      weight = met_light_weight(path, pdf);
     }
-    add_radiance(lanes, first, throughput * radiance * weight);
+    add_radiance(lanes, first, path.throughput * radiance * weight);
   }
 
   /// Shadow rays towards one point of one light for each lane.
-  void sample_lights(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler, std::uint32_t draws,
-                     const BasicSurfacePoint<Wide>& point, const WideVec3& ng, const BasicFrame<Wide>& frame,
-                     WideMask bent, const MaterialLanes<Wide>& material, const WideVec3& color, const WideVec3& wo_local,
-                     const WideVec3& throughput) {
-    const WideVec2 u = sampler.get2(draws + kLightPoint);
-    const LightTable& few = shading_.light_table;
-    WideMask triangles = lanes;
-    light_.infinite = 0;
-    if (few.count == 0) {
-      alignas(64) std::uint32_t choice_high[kMostLanes], choice_low[kMostLanes];
-      alignas(64) float u_x[kMostLanes], u_y[kMostLanes];
-      VectorLanes p;
-      const auto choice = sampler.bits2(draws + kLightChoice);
-      choice.first.store(choice_high);
-      choice.second.store(choice_low);
-      u.x.store(u_x);
-      u.y.store(u_y);
-      store3(point.position, p);
-      shading_.lights.sample(lanes.bits(), choice_high, choice_low, u_x, u_y, {p[0], p[1], p[2]}, light_);
-      triangles = WideMask::of(light_.triangles);
-    }
-    WideVec3 wi, target, radiance;
-    Wide pdf;
-    if (any(triangles)) {
-      WideUInt chosen(0u);
-      const float* const table = shading_.emitters;
-      if (few.count != 0) {
-        const Wide choice = sampler.get1(draws + kLightChoice);
-        for (int i = 0; i < few.count - 1; ++i)
-          chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
-      } else {
-        chosen = WideUInt::load(light_.emitter) * static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
-      }
-      const auto column = [&](int k) {
-        return few.count != 0 ? look_up16(few.columns[k], chosen) : gather(table + k, chosen, triangles);
-      };
-      const auto column3 = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
-      const EmittingTriangle<Wide> emitter{column3(0), column3(3), column3(6), column3(9), column(12), column(13)};
-      radiance = column3(14);
-      const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, point.position, u);
-      wi = s.wi;
-      target = s.target;
-      pdf = s.pdf;
-    }
-    if (any(lanes & !triangles)) {
-      wi = select(triangles, wi, load3(light_.wi));
-      radiance = select(triangles, radiance, load3(light_.radiance));
-      target = select(triangles, target, load3(light_.target));
-      pdf = select(triangles, pdf, Wide::load(light_.pdf));
-    }
-    WideMask usable = lanes & (pdf > Wide(0.0f)) & (dot(wi, ng) > Wide(0.0f));
+  void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler, std::uint32_t draw,
+                     const PathVertex<Wide>& vertex, const PathState<Wide>& path) {
+    const ShadowRay<Wide> ray = shadow_ray(vertex, path, sample_lights(lanes, sampler, draw, vertex.point.position), offset_);
+    const WideMask usable = lanes & ray.usable;
     if (!any(usable)) return;
-    const WideVec3 wi_local = frame.to_local(wi);
-    BasicBsdfValue<Wide> f = eval_bsdf<Wide>(material, color, wo_local, wi_local);
-    if (any(bent)) {
-      const BasicBsdfValue<Wide> above = eval_bsdf_above<Wide>(material, color, wo_local, wi_local, frame.to_local(ng));
-      f.value = select(bent, above.value, f.value);
-      f.pdf = select(bent, above.pdf, f.pdf);
-    }
-    usable = usable & (f.pdf > Wide(0.0f));
-    if (!any(usable)) return;
-    const WideVec3 start = book_offset_ ? point.position : offset_origin<Wide>(point, wi);
-    const WideMask infinite = WideMask::of(light_.infinite);
-    const WideVec3 direction = select(infinite, wi, target - start);
-    const WideVec3 arriving = throughput * f.value * radiance * (mis_weight(pdf, f.pdf) / pdf);
-    pack3(start, usable, shadow_.origin, shadows_);
-    pack3(direction, usable, shadow_.direction, shadows_);
-    store_packed(Wide(0.0f), usable, shadow_.t_min + shadows_);
-    store_packed(select(infinite, Wide(kInfinity), Wide(kShadowEnd)), usable, shadow_.t_max + shadows_);
-    pack3(arriving, usable, shadow_.radiance, shadows_);
-    store_packed(WideUInt::load(paths_.slot + first), usable, shadow_.slot + shadows_);
+    compress3(ray.origin, usable, shadow_.origin, shadows_);
+    compress3(ray.direction, usable, shadow_.direction, shadows_);
+    compress(Wide(0.0f), usable, shadow_.t_min + shadows_);
+    compress(ray.t_max, usable, shadow_.t_max + shadows_);
+    compress3(ray.radiance, usable, shadow_.radiance, shadows_);
+    compress(WideUInt::load(paths_.slot + first), usable, shadow_.slot + shadows_);
     shadows_ += static_cast<std::size_t>(__builtin_popcount(usable.bits()));
   }
 
-  /// One segment of the paths [first, first + kLanes).
-  void shade(std::size_t first, int segment) {
-    const WideUInt seed_low = WideUInt::load(paths_.seed_low + first);
-    const WideUInt seed_high = WideUInt::load(paths_.seed_high + first);
-    const WideUInt sample = WideUInt::load(paths_.sample + first);
-    const BasicSampler<Wide> sampler(sampler_kind_, seed_low, seed_high, sample);
-    const std::uint32_t draws =
-        Integrator::kFirstDimension + static_cast<std::uint32_t>(segment - 1) * kDrawsPerSegment;
-    // A long chain of operations that needs nothing of the hit: begun first, the processor does it beside the others.
-    const WideVec2 u = sampler.get2(draws + kDirection);
-    const WideMask valid = first_lanes(count_ - first);
-    const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
-    shading_.fetch_surfaces(hits, __builtin_popcount(valid.bits()), surfaces_);
-    const WideUInt material_id = WideUInt::load(surfaces_.material);
-    const auto column = [&](int k) {
-      return shading_.few_materials ? look_up16(shading_.material_columns[k], material_id)
-                                    : gather(shading_.material_rows + k, material_id * kMaterialColumns, valid);
-    };
-    MaterialLanes<Wide> material{column(0), column(1), column(2)};
-    WideVec3 throughput = load3(paths_.throughput, first);
-    const WideMask missed = valid & (material.kind == Wide(kMissKind));
-    if (any(missed)) shade_misses(missed, first, throughput);
-    const WideMask hit = valid & !missed;
-    if (!any(hit)) return;
+  SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t draw,
+                                   const WideVec3& position) {
+    const WideVec2 u = sampler.get2(draw + kLightPoint);
+    const LightTable& few = scene_.light_table;
+    if (few.count != 0) {
+      const Wide choice = sampler.get1(draw + kLightChoice);
+      WideUInt chosen(0u);
+      for (int i = 0; i < few.count - 1; ++i)
+        chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
+      return sample_triangles([&](int k) { return look_up16(few.columns[k], chosen); }, position, u);
+    }
+    alignas(64) std::uint32_t choice_high[kMostLanes], choice_low[kMostLanes];
+    alignas(64) float u_x[kMostLanes], u_y[kMostLanes];
+    VectorLanes p;
+    const auto choice = sampler.bits2(draw + kLightChoice);
+    choice.first.store(choice_high);
+    choice.second.store(choice_low);
+    u.x.store(u_x);
+    u.y.store(u_y);
+    store3(position, p);
+    scene_.lights.sample(lanes.bits(), choice_high, choice_low, u_x, u_y, {p[0], p[1], p[2]}, light_);
+    const WideMask triangles = WideMask::of(light_.triangles);
+    SampledLight<Wide> light{load3(light_.wi), load3(light_.target), load3(light_.radiance), Wide::load(light_.pdf),
+                             WideMask::of(light_.infinite)};
+    if (any(triangles)) {
+      constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
+      const WideUInt chosen = WideUInt::load(light_.emitter) * row;
+      const SampledLight<Wide> s = sample_triangles(
+          [&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, u);
+      light.wi = select<Wide>(triangles, s.wi, light.wi);
+      light.target = select<Wide>(triangles, s.target, light.target);
+      light.radiance = select<Wide>(triangles, s.radiance, light.radiance);
+      light.pdf = select(triangles, s.pdf, light.pdf);
+    }
+    return light;
+  }
 
-    const WideVec3 direction = load3(paths_.direction, first);
-    BasicSurfacePoint<Wide> point;
-    const auto& c = surfaces_.corner;
-    const WideVec3 p0 = WideVec3::load(c[0], c[1], c[2]);
-    place_on_triangle<Wide>(p0, WideVec3::load(c[3], c[4], c[5]), WideVec3::load(c[6], c[7], c[8]),
-                            Wide::load(hits.u), Wide::load(hits.v), point);
-    if (surfaces_.spheres != 0) {
-      const WideMask spheres = WideMask::of(surfaces_.spheres);
-      BasicSurfacePoint<Wide> on_sphere;
-      place_on_sphere<Wide>(p0, Wide::load(c[3]), load3(paths_.origin, first) + Wide::load(hit_t_ + first) * direction,
-                            on_sphere);
-      point.position = select(spheres, on_sphere.position, point.position);
-      point.ng = select(spheres, on_sphere.ng, point.ng);
-      point.offset = select(spheres, on_sphere.offset, point.offset);
-    }
-    if (surfaces_.varying != 0) {
-      VectorLanes position, normal;
-      store3(point.position, position);
-      store3(point.ng, normal);
-      shading_.look_up_colors(hits, position, normal, surfaces_);
-    }
-    WideVec3 color(column(4), column(5), column(6));
-    if (surfaces_.varying != 0) color = select(WideMask::of(surfaces_.varying), load3(surfaces_.color), color);
-    const WideMask lights = hit & material.is(Material::Kind::diffuse_light);
-    if (any(lights)) shade_lights(lights, first, hits, column(3), point, throughput, color);
-    WideMask alive = hit & !lights;
-    if (segment >= shading_.settings.max_depth || !any(alive)) return;
+  /// From the numbers of TriangleEmitter as far as the radiance, given by column.
+  template <class Column>
+  static SampledLight<Wide> sample_triangles(const Column& column, const WideVec3& position, const WideVec2& u) {
+    const auto three = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
+    const EmittingTriangle<Wide> emitter{three(0), three(3), three(6), three(9), column(12), column(13)};
+    const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, position, u);
+    return {s.wi, s.target, three(14), s.pdf, WideMask::of(0)};
+  }
 
-    // The shading frame on wo's side. Where interpolation turns the shading normal away from wo, the geometric one
-    // takes its place: a surface is seen from the side it is on.
-    const WideVec3 wo = -direction;
-    const WideMask inside = dot(wo, point.ng) < Wide(0.0f);
-    const WideVec3 ng = select(inside, -point.ng, point.ng);
-    WideVec3 ns = ng;
-    WideMask bent{};
-    if (shading_.needs.shading_normals) {
-      const WideVec3 smooth = shading_normal<Wide>(load3(surfaces_.normal_sum), ng);
-      ns = select((dot(wo, smooth) > Wide(0.0f)) & !WideMask::of(surfaces_.spheres), smooth, ng);
-      bent = alive & ((ns.x != ng.x) | (ns.y != ng.y) | (ns.z != ng.z));
-    }
-    const BasicFrame<Wide> frame(ns);
-    const WideVec3 wo_local = frame.to_local(wo);
-    if (shading_.sample_lights) {
-      const WideMask lit = alive & has_density(material);
-      if (any(lit)) {
-        sample_lights(lit, first, sampler, draws, point, ng, frame, bent, material, color, wo_local, throughput);
-      }
-    }
-
+  /// Scatters, and keeps the paths that go on.
+  void go_on(WideMask alive, std::size_t first, int segment, const BasicSampler<Wide>& sampler, const WideVec2& u,
+             const PathVertex<Wide>& vertex, PathState<Wide>& path) {
+    const std::uint32_t draw = first_draw(segment);
     Wide lobe(0.0f);
-    if (any(alive & material.is(Material::Kind::dielectric))) lobe = sampler.get1(draws + kLobe);
-    BasicBsdfSample<Wide> scattered = sample_bsdf<Wide>(material, color, wo_local, inside, u, lobe);
-    if (any(bent)) {
-      const BasicBsdfSample<Wide> above =
-          sample_bsdf_above<Wide>(material, color, wo_local, frame.to_local(ng), inside, u, lobe);
-      scattered.wi = select(bent, above.wi, scattered.wi);
-      scattered.pdf = select(bent, above.pdf, scattered.pdf);
-    }
-    alive = alive & !is_black(scattered.weight);
-    const WideVec3 wi = frame.to_world(scattered.wi);
-    throughput *= scattered.weight;
-    const Wide eta_scale = Wide::load(paths_.eta_scale + first) * scattered.eta_squared;
-    const Wide scatter_pdf = select(scattered.delta, Wide(0.0f), scattered.pdf);
-    if (segment >= Integrator::kFirstRouletteSegment && shading_.settings.kind == IntegratorKind::path) {
-      const Wide survival =
-          lesser(greater(throughput.x, greater(throughput.y, throughput.z)) * eta_scale, Wide(1.0f));
-      alive = alive & (sampler.get1(draws + kRoulette) < survival);
-      throughput = throughput / survival;
-    }
+    if (any(alive & vertex.material.is(Material::Kind::dielectric))) lobe = sampler.get1(draw + kLobe);
+    alive = alive & scatter(vertex, u, lobe, offset_, path);
+    if (segment >= Integrator::kFirstRouletteSegment && scene_.settings.kind != IntegratorKind::book)
+      alive = alive & survives_roulette(sampler.get1(draw + kRoulette), path);
     if (!any(alive)) return;
-    const WideVec3 start = book_offset_ ? point.position : offset_origin<Wide>(point, wi);
-    const WideUInt slot = WideUInt::load(paths_.slot + first);
-    pack3(start, alive, paths_.origin, kept_);
-    pack3(wi, alive, paths_.direction, kept_);
-    pack3(throughput, alive, paths_.throughput, kept_);
-    pack3(point.position, alive, paths_.scatter_position, kept_);
-    store_packed(eta_scale, alive, paths_.eta_scale + kept_);
-    store_packed(scatter_pdf, alive, paths_.scatter_pdf + kept_);
-    store_packed(seed_low, alive, paths_.seed_low + kept_);
-    store_packed(seed_high, alive, paths_.seed_high + kept_);
-    store_packed(sample, alive, paths_.sample + kept_);
-    store_packed(slot, alive, paths_.slot + kept_);
-    if (book_offset_) store_packed(Wide(kBookOffset), alive, paths_.t_min + kept_);
+    paths_.store(path, alive, kept_);
+    if (offset_ == RayOffset::book) compress(Wide(kBookOffset), alive, paths_.t_min + kept_);
+    const auto keep = [&](UInts& a) { compress(WideUInt::load(a + first), alive, a + kept_); };
+    keep(paths_.seed_low);
+    keep(paths_.seed_high);
+    keep(paths_.sample);
+    keep(paths_.slot);
     kept_ += static_cast<std::size_t>(__builtin_popcount(alive.bits()));
   }
 
-  /// What the shadow rays let through.
-  void light() {
+  void trace_shadow_rays() {
     if (shadows_ == 0) return;
-    shading_.accelerator.occluded_batch(rays(shadow_, shadows_), shadow_.occluded);
+    scene_.accelerator.occluded_batch(rays(shadow_, shadows_), shadow_.occluded);
     for (std::size_t i = 0; i < shadows_; ++i) {
       if (shadow_.occluded[i] != 0) continue;
       for (std::size_t c = 0; c < 3; ++c) radiance_[c].data()[shadow_.slot[i]] += shadow_.radiance[c][i];
     }
   }
 
-  const ShadingScene& shading_;
+  const ShadingScene& scene_;
   SamplerKind sampler_kind_;
-  bool book_offset_;
+  RayOffset offset_;
   BatchRadiance& radiance_;
   std::size_t count_ = 0, kept_ = 0, shadows_ = 0;
-  PathState paths_;
-  ShadowState shadow_;
+  PathQueue paths_;
+  ShadowQueue shadow_;
   alignas(64) Floats hit_t_, hit_u_, hit_v_;
   UInts hit_geometry_, hit_primitive_;
   SurfaceLanes surfaces_{};
   LightLanes light_{};
 };
 
-void trace(const ShadingScene& shading, const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) {
-  Wavefront(shading, paths, radiance).run(counts);
+void trace(const ShadingScene& scene, const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) {
+  Wavefront(scene, paths, radiance).run(counts);
 }
 
 }  // namespace

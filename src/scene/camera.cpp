@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "camera_ray.hpp"
 #include "raylab/core/error.hpp"
 
 namespace raylab {
@@ -42,24 +43,24 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
 
   const double half_height = std::tan(0.5 * static_cast<double>(s.vfov) * kRadiansPerDegree) * s.focus_distance;
   const double pixel = 2.0 * half_height / height;
-  origin_ = s.look_from;
+  rays_.origin = s.look_from;
   forward_ = vec3(forward);
   right_ = vec3(right);
   up_ = vec3(up);
-  corner_ = vec3(static_cast<double>(s.focus_distance) * forward - 0.5 * pixel * width * right + half_height * up);
-  step_x_ = vec3(pixel * right);
-  step_y_ = vec3(-pixel * up);
-  has_lens_ = s.defocus_angle > 0.0f;
+  rays_.corner = vec3(static_cast<double>(s.focus_distance) * forward - 0.5 * pixel * width * right + half_height * up);
+  rays_.step_x = vec3(pixel * right);
+  rays_.step_y = vec3(-pixel * up);
+  rays_.has_lens = s.defocus_angle > 0.0f;
   const double lens_radius =
       std::tan(0.5 * static_cast<double>(s.defocus_angle) * kRadiansPerDegree) * s.focus_distance;
-  lens_x_ = vec3(lens_radius * right);
-  lens_y_ = vec3(lens_radius * up);
+  rays_.lens_x = vec3(lens_radius * right);
+  rays_.lens_y = vec3(lens_radius * up);
 }
 
 Ray Camera::ray(float x, float y, const vec2& lens) const {
-  Ray r;
-  ray<float>(x, y, lens, r.origin, r.direction);
-  return r;
+  Vec3<float> origin, direction;
+  camera_ray<float>(rays_, x, y, {lens.x, lens.y}, origin, direction);
+  return {origin, direction};
 }
 
 }  // namespace raylab

@@ -7,7 +7,6 @@
 
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/check.hpp"
-#include "raylab/render/lights.hpp"
 #include "raylab/render/sampler.hpp"
 #include "raylab/scene/needs.hpp"
 #include "raylab/scene/scene.hpp"
@@ -17,6 +16,7 @@ namespace raylab {
 enum class IntegratorKind : std::uint8_t {
   path,  ///< light sampling, multiple importance sampling, Russian roulette
   book,  ///< BSDF sampling alone to the fixed depth, as in Ray Tracing in One Weekend
+  reference,  ///< `path` ray by ray and path by path: the same bits, from code that reads like the book
 };
 
 /// Throws Error (usage) for an unknown name.
@@ -105,7 +105,9 @@ class Integrator {
   /// second at 1.4 times the relMSE, and open scenes twice the error at equal time.
   static constexpr int kFirstRouletteSegment = 5;
 
-  const Lights& lights() const;
+  /// Emitters that light samples are taken of, and what is kept of them.
+  std::size_t light_count() const;
+  std::size_t light_bytes() const;
 
  private:
   std::unique_ptr<const ShadingScene> shading_;

@@ -1,6 +1,6 @@
 #pragma once
 #include "raylab/core/ray.hpp"
-#include "raylab/core/warp.hpp"
+#include "raylab/core/vec.hpp"
 
 namespace raylab {
 
@@ -24,33 +24,26 @@ class Camera {
   /// the lens that `lens` in [0,1)² chooses. Direction not normalised: t = 1 lies in the plane of focus.
   Ray ray(float x, float y, const vec2& lens) const;
 
-  /// The same for lanes of type F (core/lanes.hpp).
-  template <class F>
-  void ray(const F& x, const F& y, const Vec2Of<F>& lens, Vec3Of<F>& origin, Vec3Of<F>& direction) const {
-    using Vec3 = Vec3Of<F>;
-    direction = Vec3(corner_) + x * Vec3(step_x_) + y * Vec3(step_y_);
-    origin = Vec3(origin_);
-    if (!has_lens_) return;
-    F disk_x, disk_y;
-    concentric_disk<F>(lens.x, lens.y, disk_x, disk_y);
-    const Vec3 shift = disk_x * Vec3(lens_x_) + disk_y * Vec3(lens_y_);
-    origin = origin + shift;
-    direction = direction - shift;
-  }
+  /// What rays are made of.
+  struct Rays {
+    vec3 origin;
+    vec3 corner;  ///< from the eye to the upper left corner of the picture in the plane of focus
+    vec3 step_x, step_y;  ///< of one pixel
+    vec3 lens_x, lens_y;  ///< from the centre of the lens to its rim
+    bool has_lens;
+  };
+  const Rays& rays() const { return rays_; }
 
-  bool has_lens() const { return has_lens_; }
+  bool has_lens() const { return rays_.has_lens; }
 
-  vec3 origin() const { return origin_; }
+  vec3 origin() const { return rays_.origin; }
   vec3 forward() const { return forward_; }  ///< unit
   vec3 right() const { return right_; }      ///< unit
   vec3 up() const { return up_; }            ///< unit, perpendicular to the view
 
  private:
-  vec3 origin_, forward_, right_, up_;
-  vec3 corner_;  ///< from the eye to the upper left corner of the picture in the plane of focus
-  vec3 step_x_, step_y_;  ///< of one pixel
-  vec3 lens_x_, lens_y_;
-  bool has_lens_;
+  Rays rays_;
+  vec3 forward_, right_, up_;
 };
 
 }  // namespace raylab

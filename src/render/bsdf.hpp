@@ -2,13 +2,14 @@
 // Scattering of the One Weekend books' materials, each with value, sampling and density in one measure:
 // solid angle. Directions are unit vectors in the local frame whose z axis is the shading normal on the side of
 // `wo`; `wo` points back along the path and has z > 0, `wi` to where the light comes from.
+#include "core/warp.hpp"
 #include "raylab/core/numeric.hpp"
-#include "raylab/core/warp.hpp"
 #include "raylab/scene/material.hpp"
 
 namespace raylab {
+namespace {
 
-/// What scattering reads of a material; of lanes of type F (core/lanes.hpp).
+/// What scattering reads of a material; over the number type F.
 template <class F>
 struct MaterialLanes {
   F kind;   ///< Material::Kind as a number
@@ -23,22 +24,20 @@ inline MaterialLanes<float> material_lanes(const Material& m) {
 
 /// A direction chosen by a BSDF.
 template <class F>
-struct BasicBsdfSample {
-  Vec3Of<F> wi = Vec3Of<F>(F(0.0f));
-  Vec3Of<F> weight = Vec3Of<F>(F(0.0f));  ///< f cos / pdf; 0: absorbed
+struct BsdfSample {
+  Vec3<F> wi = Vec3<F>(F(0.0f));
+  Vec3<F> weight = Vec3<F>(F(0.0f));  ///< f cos / pdf; 0: absorbed
   F pdf = F(0.0f);                        ///< per steradian; 0 for a delta direction
   F eta_squared = F(1.0f);  ///< squared ratio of the indices crossed: by it radiance, and so the weight, has shrunk
   MaskOf<F> delta{};        ///< the only direction of its kind: light sampling cannot find it
 };
-using BsdfSample = BasicBsdfSample<float>;
 
 /// f cos and the density with which sample() would choose wi.
 template <class F>
-struct BasicBsdfValue {
-  Vec3Of<F> value = Vec3Of<F>(F(0.0f));
+struct BsdfValue {
+  Vec3<F> value = Vec3<F>(F(0.0f));
   F pdf = F(0.0f);
 };
-using BsdfValue = BasicBsdfValue<float>;
 
 /// Fraction of unpolarised light a smooth boundary reflects. cos_i in [0, 1] on the side of wo; eta = index beyond /
 /// index on this side. Sets cos_t, 0 on total reflection. Exact Fresnel equations, not Schlick's approximation.
@@ -46,7 +45,7 @@ template <class F>
 F fresnel_dielectric(const F& cos_i, const F& eta, F& cos_t) {
   const F sin2_t = (F(1.0f) - cos_i * cos_i) / (eta * eta);
   const MaskOf<F> total = sin2_t >= F(1.0f);
-  cos_t = select(total, F(0.0f), square_root(F(1.0f) - sin2_t));
+  cos_t = select(total, F(0.0f), sqrt(F(1.0f) - sin2_t));
   const F parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
   const F perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
   return select(total, F(1.0f), F(0.5f) * (parallel * parallel + perpendicular * perpendicular));
@@ -58,13 +57,13 @@ F fresnel_dielectric(const F& cos_i, const F& eta, F& cos_t) {
 /// At the rim, where the root is 0, the density is infinite; here it ends at what rounding can tell. A direction that
 /// was `sampled` is within the rim even where rounding has put it beyond.
 template <class F>
-F fuzzy_mirror_pdf(const Vec3Of<F>& r, const Vec3Of<F>& w, const F& fuzz, bool sampled) {
-  const Vec3Of<F> c = cross(r, w);  // sin² from the cross product: 1 - cos² cancels for small fuzz
+F fuzzy_mirror_pdf(const Vec3<F>& r, const Vec3<F>& w, const F& fuzz, bool sampled) {
+  const Vec3<F> c = cross(r, w);  // sin² from the cross product: 1 - cos² cancels for small fuzz
   const F root2 = fuzz * fuzz - dot(c, c);
-  const F root = square_root(greater(root2, F(4.0f * kUnitRoundoff) * fuzz));
+  const F root = sqrt(max(root2, F(4.0f * kUnitRoundoff) * fuzz));
   const F cosine = dot(r, w);
-  const F t1 = greater(F(0.0f), cosine + root);
-  const F t2 = greater(F(0.0f), cosine - root);
+  const F t1 = max(F(0.0f), cosine + root);
+  const F t2 = max(F(0.0f), cosine - root);
   const F pdf = (t1 * t1 + t2 * t2) / (F(4.0f * kPi) * fuzz * root);
   return sampled ? pdf : select(root2 > F(0.0f), pdf, F(0.0f));
 }
@@ -79,12 +78,11 @@ template <class F>
 MaskOf<F> has_density(const MaterialLanes<F>& m) {
   return m.is(Material::Kind::lambertian) | (m.is(Material::Kind::metal) & (m.fuzz > F(0.0f)));
 }
-inline bool has_density(const Material& m) { return has_density(material_lanes(m)); }
 
 /// f cos and pdf for a direction; both 0 below the surface and for delta materials.
 template <class F>
-BasicBsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3Of<F>& color, const Vec3Of<F>& wo,
-                            const Vec3Of<F>& wi) {
+BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
+                            const Vec3<F>& wi) {
   F pdf(0.0f);
   const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
   if (any(lambertian)) pdf = select(lambertian, wi.z * F(kInvPi), pdf);
@@ -93,36 +91,31 @@ BasicBsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3Of<F>& color, c
   pdf = select(wi.z > F(0.0f), pdf, F(0.0f));
   return {color * pdf, pdf};
 }
-inline BsdfValue eval_bsdf(const Material& m, const Rgb& color, const vec3& wo, const vec3& wi) {
-  return eval_bsdf(material_lanes(m), color, wo, wi);
-}
 
 /// Chooses wi. `inside` says that wo runs inside the dielectric, that is, on the side the geometric normal points
 /// away from. u chooses the direction, lobe the reflection or refraction.
 template <class F>
-BasicBsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3Of<F>& color, const Vec3Of<F>& wo,
-                               const MaskOf<F>& inside, const Vec2Of<F>& u, const F& lobe) {
-  using Vec3 = Vec3Of<F>;
-  using Mask = MaskOf<F>;
-  const Vec3 black(F(0.0f));
-  BasicBsdfSample<F> s;
-  const Mask lambertian = m.is(Material::Kind::lambertian);
+BsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
+                               const MaskOf<F>& inside, const Vec2<F>& u, const F& lobe) {
+  const Vec3<F> black(F(0.0f));
+  BsdfSample<F> s;
+  const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
   if (any(lambertian)) {
     s.wi = cosine_hemisphere<F>(u.x, u.y);
     s.pdf = s.wi.z * F(kInvPi);
     s.weight = select(lambertian & (s.pdf > F(0.0f)), color, black);
   }
-  const Mask metal = m.is(Material::Kind::metal);
+  const MaskOf<F> metal = m.is(Material::Kind::metal);
   if (any(metal)) {
-    const Vec3 r = mirror(wo);
-    const Mask smooth = metal & (m.fuzz == F(0.0f));
-    const Mask rough = metal & (m.fuzz > F(0.0f));
+    const Vec3<F> r = mirror(wo);
+    const MaskOf<F> smooth = metal & (m.fuzz == F(0.0f));
+    const MaskOf<F> rough = metal & (m.fuzz > F(0.0f));
     if (any(rough)) {
-      const Vec3 blurred = r + m.fuzz * uniform_sphere<F>(u.x, u.y);
+      const Vec3<F> blurred = r + m.fuzz * uniform_sphere<F>(u.x, u.y);
       const F length2 = dot(blurred, blurred);
-      const Vec3 wi = blurred / square_root(length2);
+      const Vec3<F> wi = blurred / sqrt(length2);
       // Into the surface: absorbed, as in the book.
-      const Mask reflected = rough & (length2 > F(0.0f)) & (wi.z > F(0.0f));
+      const MaskOf<F> reflected = rough & (length2 > F(0.0f)) & (wi.z > F(0.0f));
       s.wi = select(rough, wi, s.wi);
       // Rounding puts some directions beyond the rim: with fuzz 0.05 one in 3,000, 1e-3 one in 350, 1e-6 one in 8.
       s.pdf = select(rough, fuzzy_mirror_pdf<F>(r, wi, m.fuzz, true), s.pdf);
@@ -133,25 +126,21 @@ BasicBsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3Of<F>& color
     s.weight = select(smooth, color, s.weight);
     s.delta = smooth;
   }
-  const Mask dielectric = m.is(Material::Kind::dielectric);
+  const MaskOf<F> dielectric = m.is(Material::Kind::dielectric);
   if (any(dielectric)) {
     const F eta = select(inside, F(1.0f) / m.index, m.index);
     F cos_t;
-    const F reflectance = fresnel_dielectric<F>(lesser(wo.z, F(1.0f)), eta, cos_t);
-    const Mask reflected = lobe < reflectance;
+    const F reflectance = fresnel_dielectric<F>(min(wo.z, F(1.0f)), eta, cos_t);
+    const MaskOf<F> reflected = lobe < reflectance;
     // Radiance, not power, is carried: refracted, it scales by the square of the indices' ratio (Veach 1997, §5.2).
     const F eta_squared = select(reflected, F(1.0f), eta * eta);
-    s.wi = select(dielectric, select(reflected, mirror(wo), Vec3(-wo.x / eta, -wo.y / eta, -cos_t)), s.wi);
-    s.weight = select(dielectric, Vec3(F(1.0f) / eta_squared), s.weight);
+    s.wi = select(dielectric, select(reflected, mirror(wo), Vec3<F>(-wo.x / eta, -wo.y / eta, -cos_t)), s.wi);
+    s.weight = select(dielectric, Vec3<F>(F(1.0f) / eta_squared), s.weight);
     s.eta_squared = select(dielectric, eta_squared, s.eta_squared);
     s.pdf = select(dielectric, F(0.0f), s.pdf);
     s.delta = s.delta | dielectric;
   }
   return s;
-}
-inline BsdfSample sample_bsdf(const Material& m, const Rgb& color, const vec3& wo, bool inside, const vec2& u,
-                              float lobe) {
-  return sample_bsdf<float>(material_lanes(m), color, wo, inside, u, lobe);
 }
 
 /// w mirrored at the plane with unit normal n.
@@ -164,10 +153,10 @@ V mirrored_at(const V& w, const V& n) {
 /// lies below the surface. It is folded up, mirrored at the surface: dropping it would lose energy at every bounce,
 /// keeping it would let light through. wi must lie above the surface.
 template <class F>
-BasicBsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3Of<F>& color, const Vec3Of<F>& wo,
-                                  const Vec3Of<F>& wi, const Vec3Of<F>& ng) {
-  BasicBsdfValue<F> f = eval_bsdf<F>(m, color, wo, wi);
-  const BasicBsdfValue<F> folded = eval_bsdf<F>(m, color, wo, mirrored_at(wi, ng));
+BsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
+                                  const Vec3<F>& wi, const Vec3<F>& ng) {
+  BsdfValue<F> f = eval_bsdf<F>(m, color, wo, wi);
+  const BsdfValue<F> folded = eval_bsdf<F>(m, color, wo, mirrored_at(wi, ng));
   f.value += folded.value;
   f.pdf += folded.pdf;
   return f;
@@ -175,14 +164,15 @@ BasicBsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3Of<F>& co
 
 /// sample_bsdf() to match: a direction on the wrong side of the geometric surface is mirrored at it.
 template <class F>
-BasicBsdfSample<F> sample_bsdf_above(const MaterialLanes<F>& m, const Vec3Of<F>& color, const Vec3Of<F>& wo,
-                                     const Vec3Of<F>& ng, const MaskOf<F>& inside, const Vec2Of<F>& u,
+BsdfSample<F> sample_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
+                                     const Vec3<F>& ng, const MaskOf<F>& inside, const Vec2<F>& u,
                                      const F& lobe) {
-  BasicBsdfSample<F> s = sample_bsdf<F>(m, color, wo, inside, u, lobe);
-  const Vec3Of<F> folded = mirrored_at(s.wi, ng);
+  BsdfSample<F> s = sample_bsdf<F>(m, color, wo, inside, u, lobe);
+  const Vec3<F> folded = mirrored_at(s.wi, ng);
   s.pdf = select(s.delta, s.pdf, s.pdf + eval_bsdf<F>(m, color, wo, folded).pdf);
   s.wi = select((dot(s.wi, ng) > F(0.0f)) ^ (s.wi.z > F(0.0f)), folded, s.wi);
   return s;
 }
 
+}  // namespace
 }  // namespace raylab

@@ -1,9 +1,10 @@
 #pragma once
-// Maps from the unit square to disks and spheres that keep area. F is float or a vector of floats (core/lanes.hpp).
-#include "raylab/core/lanes.hpp"
+// Maps from the unit square to disks and spheres that keep area. Over the number type F.
+#include "core/simd/lanes.hpp"
 #include "raylab/core/numeric.hpp"
 
 namespace raylab {
+namespace {
 
 /// Sine and cosine of an angle in [-pi/4, pi/4], to about one unit in the last place (polynomials of the Cephes
 /// library, Moshier 1992). The libraries' own differ from one machine to the next; pictures must not.
@@ -19,7 +20,7 @@ void sine_cosine_small(const F& angle, F& sine, F& cosine) {
 template <class F>
 void sine_cosine_of_turn(const F& turn, F& sine, F& cosine) {
   const F quarters = F(4.0f) * turn;
-  const F quadrant = round_down(quarters + F(0.5f));  // 0 to 4
+  const F quadrant = floor(quarters + F(0.5f));  // 0 to 4
   F s, c;
   sine_cosine_small<F>((quarters - quadrant) * F(0.5f * kPi), s, c);
   const auto one = quadrant == F(1.0f);
@@ -36,7 +37,7 @@ template <class F>
 void concentric_disk(const F& u, const F& v, F& x, F& y) {
   const F a = F(2.0f) * u - F(1.0f);
   const F b = F(2.0f) * v - F(1.0f);
-  const auto flat = magnitude(a) > magnitude(b);
+  const auto flat = abs(a) > abs(b);
   const F radius = select(flat, a, b);
   const F ratio = select(radius == F(0.0f), F(0.0f), select(flat, b, a) / radius);
   F sine, cosine;
@@ -53,23 +54,24 @@ inline vec2 concentric_disk(const vec2& u) {
 
 /// Cosine-weighted direction of the upper hemisphere (Malley's method).
 template <class F>
-Vec3Of<F> cosine_hemisphere(const F& u, const F& v) {
+Vec3<F> cosine_hemisphere(const F& u, const F& v) {
   F x, y;
   concentric_disk<F>(u, v, x, y);
-  return {x, y, square_root(greater(F(0.0f), F(1.0f) - x * x - y * y))};
+  return {x, y, sqrt(max(F(0.0f), F(1.0f) - x * x - y * y))};
 }
 
 inline vec3 cosine_hemisphere(const vec2& u) { return cosine_hemisphere<float>(u.x, u.y); }
 
 /// Uniform direction of the sphere.
 template <class F>
-Vec3Of<F> uniform_sphere(const F& u, const F& v) {
+Vec3<F> uniform_sphere(const F& u, const F& v) {
   const F z = F(1.0f) - F(2.0f) * u;
-  const F r = square_root(greater(F(0.0f), F(1.0f) - z * z));
+  const F r = sqrt(max(F(0.0f), F(1.0f) - z * z));
   F sine, cosine;
   sine_cosine_of_turn<F>(v, sine, cosine);
   return {r * cosine, r * sine, z};
 }
 inline vec3 uniform_sphere(const vec2& u) { return uniform_sphere<float>(u.x, u.y); }
 
+}  // namespace
 }  // namespace raylab

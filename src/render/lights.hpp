@@ -17,53 +17,6 @@ struct LightSample {
   bool infinite = false;
 };
 
-/// What sampling reads of an emitting triangle; of lanes of type F (core/lanes.hpp).
-template <class F>
-struct EmittingTriangle {
-  Vec3Of<F> p0, e1, e2;
-  Vec3Of<F> ng;
-  F offset;    ///< see SurfacePoint::offset
-  F pdf_area;  ///< choice included
-};
-
-/// A point of an emitting triangle as seen from elsewhere.
-template <class F>
-struct TriangleLightSample {
-  Vec3Of<F> position, wi, target;  ///< as in LightSample
-  F b1, b2;                        ///< barycentric coordinates of the position
-  F pdf;                           ///< as in LightSample
-};
-
-template <class F>
-TriangleLightSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const Vec3Of<F>& p, const Vec2Of<F>& u) {
-  // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
-  TriangleLightSample<F> s;
-  const F half_x = F(0.5f) * u.x, half_y = F(0.5f) * u.y;
-  const F offset = half_y - half_x;
-  const MaskOf<F> upper = offset > F(0.0f);
-  s.b1 = select(upper, half_x, half_x - offset);
-  s.b2 = select(upper, half_y + offset, half_y);
-  s.position = emitter.p0 + s.b1 * emitter.e1 + s.b2 * emitter.e2;
-  const Vec3Of<F> to_light = s.position - p;
-  const F distance2 = dot(to_light, to_light);
-  const F facing = dot(to_light, emitter.ng);
-  const F distance = square_root(distance2);
-  s.wi = to_light / distance;
-  const F pdf = emitter.pdf_area * distance2 * distance / magnitude(facing);
-  s.pdf = select((distance2 > F(0.0f)) & (facing != F(0.0f)) & (pdf < F(kInfinity)), pdf, F(0.0f));
-  s.target = s.position - with_sign_of(emitter.offset, facing) * emitter.ng;
-  return s;
-}
-
-/// Density per steradian at p of a point on a triangle with unit normal ng that a ray of unit direction wi has hit.
-template <class F>
-F triangle_pdf(const F& pdf_area, const Vec3Of<F>& p, const Vec3Of<F>& hit_position, const Vec3Of<F>& ng,
-               const Vec3Of<F>& wi) {
-  const Vec3Of<F> to_light = hit_position - p;
-  const F cosine = magnitude(dot(ng, wi));
-  return select(cosine > F(0.0f), pdf_area * dot(to_light, to_light) / cosine, F(0.0f));
-}
-
 /// Light samples for some lanes side by side, as far as they differ from scalar code: which emitting triangle, whose
 /// point is yet to be chosen by sample_triangle(), and complete samples of all other emitters.
 struct LightLanes {
@@ -79,8 +32,11 @@ struct LightLanes {
 
 /// An emitting triangle of a scene.
 struct TriangleEmitter {
-  EmittingTriangle<float> shape;
-  Rgb radiance;  ///< where it does not vary
+  vec3 p0, e1, e2;  ///< a corner, and the edges to the others
+  vec3 ng;
+  float offset;    ///< see SurfacePoint::offset
+  float pdf_area;  ///< choice included
+  Rgb radiance;    ///< where it does not vary
   std::uint32_t mesh, triangle, material;
   bool varies;
 };
@@ -89,7 +45,7 @@ struct TriangleEmitter {
 /// 24 bits do justice to, for lookup by lanes: one column for each number that sampling reads.
 struct LightTable {
   static constexpr int kMost = 16;
-  static constexpr int kColumns = 17;  ///< EmittingTriangle<float> and the radiance
+  static constexpr int kColumns = 17;  ///< TriangleEmitter as far as the radiance
   int count = 0;                       ///< 0: the scene is not of this kind
   alignas(64) float cdf[kMost];        ///< for all but the last the least number that chooses a later one
   alignas(64) float columns[kColumns][kMost];

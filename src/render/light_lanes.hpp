@@ -1,0 +1,57 @@
+#pragma once
+// Points of emitters and their densities, over the number type F.
+#include "core/simd/lanes.hpp"
+#include "raylab/core/numeric.hpp"
+
+namespace raylab {
+namespace {
+
+/// What sampling reads of an emitting triangle.
+template <class F>
+struct EmittingTriangle {
+  Vec3<F> p0, e1, e2;
+  Vec3<F> ng;
+  F offset;    ///< see SurfacePoint::offset
+  F pdf_area;  ///< choice included
+};
+
+/// A point of an emitting triangle as seen from elsewhere.
+template <class F>
+struct TriangleLightSample {
+  Vec3<F> position, wi, target;  ///< as in LightSample
+  F b1, b2;                        ///< barycentric coordinates of the position
+  F pdf;                           ///< as in LightSample
+};
+
+template <class F>
+TriangleLightSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const Vec3<F>& p, const Vec2<F>& u) {
+  // Low-distortion map from the square (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+  TriangleLightSample<F> s;
+  const F half_x = F(0.5f) * u.x, half_y = F(0.5f) * u.y;
+  const F offset = half_y - half_x;
+  const MaskOf<F> upper = offset > F(0.0f);
+  s.b1 = select(upper, half_x, half_x - offset);
+  s.b2 = select(upper, half_y + offset, half_y);
+  s.position = emitter.p0 + s.b1 * emitter.e1 + s.b2 * emitter.e2;
+  const Vec3<F> to_light = s.position - p;
+  const F distance2 = dot(to_light, to_light);
+  const F facing = dot(to_light, emitter.ng);
+  const F distance = sqrt(distance2);
+  s.wi = to_light / distance;
+  const F pdf = emitter.pdf_area * distance2 * distance / abs(facing);
+  s.pdf = select((distance2 > F(0.0f)) & (facing != F(0.0f)) & (pdf < F(kInfinity)), pdf, F(0.0f));
+  s.target = s.position - copysign(emitter.offset, facing) * emitter.ng;
+  return s;
+}
+
+/// Density per steradian at p of a point on a triangle with unit normal ng that a ray of unit direction wi has hit.
+template <class F>
+F triangle_pdf(const F& pdf_area, const Vec3<F>& p, const Vec3<F>& hit_position, const Vec3<F>& ng,
+               const Vec3<F>& wi) {
+  const Vec3<F> to_light = hit_position - p;
+  const F cosine = abs(dot(ng, wi));
+  return select(cosine > F(0.0f), pdf_area * dot(to_light, to_light) / cosine, F(0.0f));
+}
+
+}  // namespace
+}  // namespace raylab

@@ -1,0 +1,174 @@
+#pragma once
+// One segment of a path, over the number type F: what the reference integrator does for one path and the wavefront for
+// the lanes of a vector. All formulas of light transport that the two share stand here and in what this includes.
+#include "bsdf.hpp"
+#include "core/frame.hpp"
+#include "light_lanes.hpp"
+#include "lights.hpp"
+#include "raylab/render/integrator.hpp"
+#include "sampler_lanes.hpp"
+#include "scene/camera_ray.hpp"
+#include "scene/surface_lanes.hpp"
+
+namespace raylab {
+namespace {
+
+/// Draws of one path segment, from Integrator::kFirstDimension on.
+enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
+
+/// First dimension of a segment's draws; the camera ray is segment 1.
+constexpr std::uint32_t first_draw(int segment) {
+  return Integrator::kFirstDimension + static_cast<std::uint32_t>(segment - 1) * kDrawsPerSegment;
+}
+
+/// t_min of the One Weekend books.
+constexpr float kBookOffset = 0.001f;
+
+/// A path between two of its vertices.
+template <class F>
+struct PathState {
+  Vec3<F> origin, direction;  ///< of its next ray; the direction is unit
+  Vec3<F> throughput;
+  F eta_scale;    ///< undoes the radiance scaling of refraction: roulette sees the path's power
+  F scatter_pdf;  ///< density of the direction per steradian; 0: light sampling could not have found it
+  Vec3<F> scatter_position;
+};
+
+/// The camera ray through a sample of pixel (x, y).
+template <class F>
+PathState<F> camera_path(const Camera::Rays& camera, const BasicSampler<F>& sampler, const F& x, const F& y) {
+  const Vec2<F> jitter = sampler.get2(Integrator::kPixelDimension);
+  Vec2<F> lens{F(0.5f), F(0.5f)};
+  if (camera.has_lens) lens = sampler.get2(Integrator::kLensDimension);
+  PathState<F> path;
+  camera_ray<F>(camera, x + jitter.x, y + jitter.y, lens, path.origin, path.direction);
+  path.direction = path.direction * (F(1.0f) / sqrt(dot(path.direction, path.direction)));
+  path.throughput = Vec3<F>(F(1.0f));
+  path.eta_scale = F(1.0f);
+  path.scatter_pdf = F(0.0f);
+  path.scatter_position = path.origin;
+  return path;
+}
+
+/// Power heuristic for one sample of each strategy (Veach 1997, §9.2).
+template <class F>
+F mis_weight(const F& pdf, const F& other_pdf) {
+  const F a = pdf * pdf;
+  const F b = other_pdf * other_pdf;
+  // Densities whose square overflows are delta-like: they take all of the weight.
+  return select(a == F(kInfinity), F(1.0f), select(a > F(0.0f), a / (a + b), F(0.0f)));
+}
+
+/// Weight of light that the path has met by scattering, where light sampling would have found it with `light_pdf`.
+template <class F>
+F met_light_weight(const PathState<F>& path, const F& light_pdf) {
+  return select(path.scatter_pdf > F(0.0f), mis_weight(path.scatter_pdf, light_pdf), F(1.0f));
+}
+
+/// A point that scatters, as the path sees it.
+template <class F>
+struct PathVertex {
+  MaterialLanes<F> material;
+  Vec3<F> color;
+  PointLanes<F> point;
+  Vec3<F> ng;           ///< geometric normal on the side of wo, where the path came from
+  MaskOf<F> inside;     ///< that is the side which the point's own normal points away from
+  MaskOf<F> bent;       ///< the shading normal is not the geometric one
+  BasicFrame<F> frame;  ///< around the shading normal, on the side of wo
+  Vec3<F> wo_local;
+};
+
+/// `normal_sum` is that of shading_normal(), 0 where the surface has no normals of its own. Where interpolation turns
+/// the shading normal away from wo, the geometric one takes its place: a surface is seen from the side it is on.
+template <class F>
+PathVertex<F> path_vertex(const MaterialLanes<F>& material, const Vec3<F>& color, const PointLanes<F>& point,
+                          const Vec3<F>& direction, const Vec3<F>* normal_sum) {
+  const Vec3<F> wo = -direction;
+  const MaskOf<F> inside = dot(wo, point.ng) < F(0.0f);
+  const Vec3<F> ng = select<F>(inside, -point.ng, point.ng);
+  Vec3<F> ns = ng;
+  MaskOf<F> bent{};
+  if (normal_sum != nullptr) {
+    const Vec3<F> smooth = shading_normal<F>(*normal_sum, ng);
+    ns = select<F>(dot(wo, smooth) > F(0.0f), smooth, ng);
+    bent = (ns.x != ng.x) | (ns.y != ng.y) | (ns.z != ng.z);
+  }
+  const BasicFrame<F> frame(ns);
+  return {material, color, point, ng, inside, bent, frame, frame.to_local(wo)};
+}
+
+/// Start of a ray that leaves the vertex.
+template <class F>
+Vec3<F> ray_start(const PathVertex<F>& v, const Vec3<F>& direction, RayOffset offset) {
+  return offset == RayOffset::book ? v.point.position : offset_origin<F>(v.point, direction);
+}
+
+/// A sample of a light as seen from a vertex: see LightSample.
+template <class F>
+struct SampledLight {
+  Vec3<F> wi, target, radiance;
+  F pdf;
+  MaskOf<F> infinite;
+};
+
+/// A ray towards a light, and what arrives along it if nothing is in between.
+template <class F>
+struct ShadowRay {
+  Vec3<F> origin, direction;
+  F t_max;
+  Vec3<F> radiance;
+  MaskOf<F> usable;  ///< elsewhere nothing can arrive, and the rest means nothing
+};
+
+template <class F>
+ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const SampledLight<F>& light,
+                        RayOffset offset) {
+  ShadowRay<F> ray;
+  ray.usable = (light.pdf > F(0.0f)) & (dot(light.wi, v.ng) > F(0.0f));
+  if (!any(ray.usable)) return ray;
+  const Vec3<F> wi_local = v.frame.to_local(light.wi);
+  BsdfValue<F> f = eval_bsdf<F>(v.material, v.color, v.wo_local, wi_local);
+  if (any(v.bent)) {
+    const BsdfValue<F> above = eval_bsdf_above<F>(v.material, v.color, v.wo_local, wi_local, v.frame.to_local(v.ng));
+    f.value = select<F>(v.bent, above.value, f.value);
+    f.pdf = select(v.bent, above.pdf, f.pdf);
+  }
+  ray.usable = ray.usable & (f.pdf > F(0.0f));
+  if (!any(ray.usable)) return ray;
+  ray.origin = ray_start(v, light.wi, offset);
+  ray.direction = select<F>(light.infinite, light.wi, light.target - ray.origin);
+  ray.t_max = select(light.infinite, F(kInfinity), F(kShadowEnd));
+  ray.radiance = path.throughput * f.value * light.radiance * (mis_weight(light.pdf, f.pdf) / light.pdf);
+  return ray;
+}
+
+/// Takes the path on to its next ray. Returns where it goes on: elsewhere the light was absorbed. u chooses the
+/// direction, lobe the reflection or refraction of dielectrics.
+template <class F>
+MaskOf<F> scatter(const PathVertex<F>& v, const Vec2<F>& u, const F& lobe, RayOffset offset, PathState<F>& path) {
+  BsdfSample<F> s = sample_bsdf<F>(v.material, v.color, v.wo_local, v.inside, u, lobe);
+  if (any(v.bent)) {
+    const BsdfSample<F> above =
+        sample_bsdf_above<F>(v.material, v.color, v.wo_local, v.frame.to_local(v.ng), v.inside, u, lobe);
+    s.wi = select<F>(v.bent, above.wi, s.wi);
+    s.pdf = select(v.bent, above.pdf, s.pdf);
+  }
+  path.direction = v.frame.to_world(s.wi);
+  path.origin = ray_start(v, path.direction, offset);
+  path.throughput *= s.weight;
+  path.eta_scale *= s.eta_squared;
+  path.scatter_pdf = select(s.delta, F(0.0f), s.pdf);
+  path.scatter_position = v.point.position;
+  return !is_black(s.weight);
+}
+
+/// Russian roulette: ends paths in proportion to the power that they have lost. Returns where they go on.
+template <class F>
+MaskOf<F> survives_roulette(const F& u, PathState<F>& path) {
+  const F survival = min(max_component(path.throughput) * path.eta_scale, F(1.0f));
+  path.throughput = path.throughput / survival;
+  return u < survival;
+}
+
+}  // namespace
+}  // namespace raylab

@@ -1,0 +1,95 @@
+#include "reference_integrator.hpp"
+
+#include "path_vertex.hpp"
+#include "raylab/scene/surface_point.hpp"
+
+namespace raylab {
+
+namespace {
+
+using Sample = BasicSampler<float>;
+
+/// Light from outside the scene along the path's last ray.
+Rgb escaped(const ShadingScene& s, const PathState<float>& path) {
+  Rgb radiance = s.scene.environment.radiance(path.direction);
+  if (s.sample_lights) radiance *= met_light_weight(path, s.lights.environment_pdf(path.direction));
+  return radiance;
+}
+
+/// Light that an emitter sends along the path's last ray.
+Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit, std::uint32_t material,
+            const SurfacePoint& point, const Rgb& color) {
+  if (!s.sample_lights) return path.throughput * color;
+  const float pdf = s.scene.geometry.is_sphere(hit.geometry)
+                        ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
+                        : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
+  return path.throughput * color * met_light_weight(path, pdf);
+}
+
+/// Light from one point of one light that reaches the vertex and goes on along the path.
+Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathState<float>& path, const Sample& sampler,
+                 std::uint32_t draw, RayCounts& counts) {
+  const Vec2<float> u = sampler.get2(draw + kLightPoint);
+  const auto choice = sampler.bits2(draw + kLightChoice);
+  const std::uint64_t select = static_cast<std::uint64_t>(choice.first) << 32 | choice.second;
+  const LightSample light = s.lights.sample(v.point.position, select, {u.x, u.y});
+  const ShadowRay<float> ray = shadow_ray<float>(
+      v, path, {light.wi, light.target, light.radiance, light.pdf, light.infinite}, s.settings.ray_offset);
+  if (!ray.usable) return Rgb(0.0f);
+  ++counts.shadow;
+  return s.accelerator.occluded({ray.origin, ray.direction, 0.0f, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);
+}
+
+/// See shading_normal().
+vec3 normal_sum(const Geometry& geometry, const Hit& hit) {
+  if (geometry.is_sphere(hit.geometry) || geometry.meshes[hit.geometry].normals.empty()) return vec3(0.0f);
+  return interpolated_normal(geometry.meshes[hit.geometry], hit.primitive, hit.u, hit.v);
+}
+
+/// Radiance that arrives along the path's first ray.
+Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayCounts& counts) {
+  const Scene& scene = s.scene;
+  Rgb radiance(0.0f);
+  float t_min = 0.0f;
+  for (int segment = 1;; ++segment) {
+    ++(segment == 1 ? counts.camera : counts.scattered);
+    const Ray ray{path.origin, path.direction, t_min};
+    const std::optional<Hit> hit = s.accelerator.intersect(ray);
+    if (!hit) return radiance + path.throughput * escaped(s, path);
+
+    const SurfacePoint point = surface_point(scene.geometry, ray, *hit);
+    const std::uint32_t material_id = scene.material_of(hit->geometry, hit->primitive);
+    const Material& material = scene.materials[material_id];
+    const Rgb color = texture_color(material.color, scene.textures, point.position, point.uv);
+    if (material.kind == Material::Kind::diffuse_light)
+      return radiance + emitted(s, path, *hit, material_id, point, color);
+    if (segment >= s.settings.max_depth) return radiance;
+
+    const Vec3<float> normals = normal_sum(scene.geometry, *hit);
+    const PathVertex<float> v = path_vertex<float>(material_lanes(material), color, {point.position, point.offset, point.ng},
+                                                   path.direction, s.needs.shading_normals ? &normals : nullptr);
+    const std::uint32_t draw = first_draw(segment);
+    if (s.sample_lights && has_density(v.material)) radiance += direct_light(s, v, path, sampler, draw, counts);
+
+    const Vec2<float> u = sampler.get2(draw + kDirection);
+    const float lobe = material.kind == Material::Kind::dielectric ? sampler.get1(draw + kLobe) : 0.0f;
+    if (!scatter<float>(v, u, lobe, s.settings.ray_offset, path)) return radiance;
+    if (segment >= Integrator::kFirstRouletteSegment && s.settings.kind != IntegratorKind::book) {
+      if (!survives_roulette(sampler.get1(draw + kRoulette), path)) return radiance;
+    }
+    if (s.settings.ray_offset == RayOffset::book) t_min = kBookOffset;
+  }
+}
+
+}  // namespace
+
+void ReferenceIntegrator::trace(const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) const {
+  for (std::size_t i = 0; i < paths.count; ++i) {
+    const Sample sampler(paths.sampler, paths.seed_low[i], paths.seed_high[i], paths.sample[i]);
+    const PathState<float> path = camera_path<float>(s_.camera.rays(), sampler, paths.x[i], paths.y[i]);
+    const Rgb sample = Li(s_, path, sampler, counts);
+    for (int c = 0; c < 3; ++c) radiance[static_cast<std::size_t>(c)][i] = sample[c];
+  }
+}
+
+}  // namespace raylab

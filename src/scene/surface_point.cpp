@@ -1,0 +1,53 @@
+#include "raylab/scene/surface_point.hpp"
+
+#include <cmath>
+
+#include "raylab/core/numeric.hpp"
+#include "surface_lanes.hpp"
+
+namespace raylab {
+
+namespace {
+
+SurfacePoint as_surface_point(const PointLanes<float>& p) { return {p.position, p.offset, p.ng, p.ng, vec2(0.0f)}; }
+
+}  // namespace
+
+SurfacePoint point_on_triangle(const Triangle& t, float u, float v) {
+  PointLanes<float> p;
+  place_on_triangle<float>(t.p0, t.p1, t.p2, u, v, p);
+  return as_surface_point(p);
+}
+
+SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& near) {
+  PointLanes<float> p;
+  place_on_sphere<float>(sphere.center, sphere.radius, near, p);
+  return as_surface_point(p);
+}
+
+SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+  if (geometry.is_sphere(hit.geometry)) {
+    SurfacePoint point = point_on_sphere(geometry.spheres[hit.primitive], ray.at(hit.t));
+    point.uv = sphere_texcoords(point.ng);
+    return point;
+  }
+  const TriangleMesh& mesh = geometry.meshes[hit.geometry];
+  SurfacePoint point = point_on_triangle(triangle_corners(mesh, hit.primitive), hit.u, hit.v);
+  if (!mesh.normals.empty()) {
+    point.ns = shading_normal<float>(interpolated_normal(mesh, hit.primitive, hit.u, hit.v), point.ng);
+  }
+  point.uv = interpolated_texcoords(mesh, hit.primitive, hit.u, hit.v);
+  return point;
+}
+
+vec3 offset_origin(const SurfacePoint& point, const vec3& direction) {
+  return offset_origin<float>({point.position, point.offset, point.ng}, direction);
+}
+
+vec2 sphere_texcoords(const vec3& n) {
+  const float theta = std::acos(glm::clamp(-n.y, -1.0f, 1.0f));
+  const float phi = std::atan2(-n.z, n.x) + kPi;
+  return {phi * (0.5f * kInvPi), theta * kInvPi};
+}
+
+}  // namespace raylab

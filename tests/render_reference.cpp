@@ -1,0 +1,83 @@
+// The integrator that reads like the book against the one that renders: the same bits, for every instruction set.
+#include <string>
+
+#include "catch.hpp"
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/io/scene_file.hpp"
+#include "test_scenes.hpp"
+
+using namespace raylab;
+using namespace raylab::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Pixels that differ in some bit between the reference and the wavefront, over all instruction sets here.
+void check_equal(const Scene& scene, RenderOptions options, const std::string& name) {
+  const auto accelerator = make_accelerator("bvh", scene.geometry);
+  const auto film_of = [&](IntegratorKind kind, std::optional<Isa> isa, RayCounts& rays) {
+    options.integrator.kind = kind;
+    options.integrator.isa = isa;
+    RenderSession session(scene, *accelerator, options);
+    session.run();
+    rays = session.stats().rays;
+    return session.snapshot();
+  };
+  RayCounts expected_rays;
+  const Film expected = film_of(IntegratorKind::reference, {}, expected_rays);
+  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) {
+    if (!isa_supported(isa)) continue;
+    INFO(name << ", " << isa_name(isa));
+    RayCounts rays;
+    CHECK(different_pixels(film_of(IntegratorKind::path, isa, rays), expected) == 0);
+    CHECK(rays.scattered == expected_rays.scattered);
+    CHECK(rays.shadow == expected_rays.shadow);
+  }
+}
+
+/// All that shading knows: each material, textures, bent normals, emitters of every kind, more than fit a LightTable,
+/// a picture for a sky, a lens.
+Scene scene_with_everything() {
+  Scene scene = lit_room();
+  add_quad(scene, {-1, -0.99f, 0.4f}, {2, 0, 0}, {0, 0.1f, -0.3f},
+           lambertian(picture(scene, 4, 4, [](int x, int y) { return Rgb(0.2f * x, 0.2f * y, 0.5f); })));
+  add_quad(scene, {-0.9f, -0.5f, -0.9f}, {0.4f, 0, 0}, {0, 0.4f, 0}, metal(checker(0.1f, Rgb(0.9f), Rgb(0.2f)), 0.3f));
+  add_smooth_sphere(scene, {0.4f, 0.2f, -0.4f}, 0.3f, 5, lambertian(grey(0.7f)));
+  add_smooth_sphere(scene, {-0.4f, 0.3f, -0.4f}, 0.2f, 4, metal(grey(0.8f), 0.2f));
+  add_smooth_sphere(scene, {0.0f, 0.1f, 0.2f}, 0.15f, 4, glass());
+  add_sphere(scene, {0.6f, 0.6f, 0.3f}, 0.1f, light(grey(4.0f)));
+  add_quad(scene, {-0.9f, 0.2f, -0.5f}, {0, 0, 0.3f}, {0, 0.3f, 0},
+           light(picture(scene, 2, 2, [](int x, int y) { return Rgb(1.0f + x, 2.0f, 1.0f + 3.0f * y); })));
+  for (int i = 0; i < 20; ++i)
+    add_triangle(scene, {{-0.9f + 0.09f * i, 0.9f, 0.0f}, {-0.85f + 0.09f * i, 0.9f, 0.0f}, {-0.9f + 0.09f * i, 0.9f, 0.05f}},
+                 light(grey(0.5f + i)));
+  set_sky(scene, 8, 4, [](int x, int y) { return Rgb(0.1f * x, 0.2f, 0.3f * y); });
+  scene.camera.defocus_angle = 1.0f;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("the reference integrator gives the wavefront's bits on every shipped scene", "[agreement][reference]") {
+  for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest"}) {
+    const fs::path file = fs::path(RAYLAB_SOURCE_DIR) / "scenes" / (std::string(name) + ".toml");
+    const fs::path model = file.parent_path() / "models" / (std::string(name) + ".obj");
+    if ((std::string(name) == "dragon" || std::string(name) == "bunny") && !fs::exists(model)) {
+      WARN(name << " is left out: " << model.string() << " is not there (see scenes/fetch)");
+      continue;
+    }
+    const LoadedScene loaded = load_scene(file);
+    check_equal(loaded.scene, render_options(40, 30, 8, loaded.scene.render.max_depth), name);
+  }
+}
+
+TEST_CASE("the reference integrator gives the wavefront's bits whatever a scene has", "[agreement][reference]") {
+  RenderOptions options = render_options(40, 30, 24, 12);
+  check_equal(scene_with_everything(), options, "everything");
+  options.sampler = SamplerKind::independent;
+  options.seed = 7;
+  check_equal(scene_with_everything(), options, "independent samples");
+  options.integrator.ray_offset = RayOffset::book;
+  check_equal(scene_with_everything(), options, "book offset");
+  check_equal(lit_room(), options, "few lights");
+}
