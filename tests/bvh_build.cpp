@@ -231,7 +231,7 @@ TEST_CASE("bvh needs no more memory for triangles that share nothing than their 
 }
 
 TEST_CASE("the options of bvh have names", "[unit]") {
-  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) CHECK(parse_isa(isa_name(isa)) == isa);
+  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512, Isa::neon}) CHECK(parse_isa(isa_name(isa)) == isa);
   for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::balanced, BuildQuality::best}) {
     CHECK(parse_quality(quality_name(quality)) == quality);
   }

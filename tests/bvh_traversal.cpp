@@ -17,7 +17,7 @@ namespace {
 /// One `bvh` for each instruction set; those the processor does not have are left out.
 std::vector<std::unique_ptr<Accelerator>> for_every_isa(const Geometry& geometry, Intersector intersector) {
   std::vector<std::unique_ptr<Accelerator>> all;
-  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) {
+  for (const Isa isa : kCompiledIsas) {
     try {
       all.push_back(make_accelerator("bvh", geometry, {.intersector = intersector, .isa = isa}));
       CHECK(all.back()->build_report().isa == isa_name(isa));

@@ -25,7 +25,7 @@ void check_equal(const Scene& scene, RenderOptions options, const std::string& n
   };
   RayCounts expected_rays;
   const Film expected = film_of(IntegratorKind::reference, {}, expected_rays);
-  for (const Isa isa : {Isa::sse42, Isa::avx2, Isa::avx512}) {
+  for (const Isa isa : kCompiledIsas) {
     if (!isa_supported(isa)) continue;
     INFO(name << ", " << isa_name(isa));
     RayCounts rays;

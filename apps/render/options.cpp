@@ -86,7 +86,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--intersector", command.intersector,
                  "Triangle test of the hand-written accelerators: book, fast or watertight");
   app.add_option("--isa", command.isa,
-                 "Instruction set of bvh: sse4.2, avx2 or avx512 (default: the newest there is)");
+                 "Instruction set of bvh: sse4.2, avx2, avx512 or neon (default: the newest there is)");
   app.add_option("--ray-offset", command.ray_offset,
                  "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")
       ->check(CLI::IsMember({"bounds", "book"}))

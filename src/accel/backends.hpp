@@ -37,6 +37,8 @@ constexpr const char* compiled_isa() {
   return "avx";
 #elif defined(__SSE4_2__)
   return "sse4.2";
+#elif defined(__ARM_NEON)
+  return "neon";
 #else
   return "sse2";
 #endif

@@ -137,6 +137,9 @@ std::string read_isa() {
   for (std::string word; words >> word;) {  // from the oldest to the newest
     if (supported.find(' ' + word + ' ') != std::string::npos) isa = word;
   }
+#ifdef __aarch64__
+  isa = "NEON";  // Embree tells the set of x86 whose operations it has there in terms of NEON
+#endif
   std::transform(isa.begin(), isa.end(), isa.begin(), [](unsigned char c) { return std::tolower(c); });
   return isa;
 }

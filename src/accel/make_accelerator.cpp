@@ -85,10 +85,11 @@ constexpr std::array<Named<BuildQuality>, 3> kQualities = {{
     {BuildQuality::balanced, "balanced"},
     {BuildQuality::best, "best"},
 }};
-constexpr std::array<Named<Isa>, 3> kIsas = {{
+constexpr std::array<Named<Isa>, 4> kIsas = {{
     {Isa::sse42, isa_name(Isa::sse42)},
     {Isa::avx2, isa_name(Isa::avx2)},
     {Isa::avx512, isa_name(Isa::avx512)},
+    {Isa::neon, isa_name(Isa::neon)},
 }};
 
 template <class Choice, std::size_t count>

@@ -13,6 +13,7 @@ namespace raylab {
 
 std::vector<IsaFeature> isa_features(Isa isa) {
   switch (isa) {
+#if defined(__x86_64__)
     case Isa::sse42:
       return {RAYLAB_FEATURE("sse4.2"), RAYLAB_FEATURE("popcnt")};
     case Isa::avx2:
@@ -20,8 +21,13 @@ std::vector<IsaFeature> isa_features(Isa isa) {
     case Isa::avx512:
       return {RAYLAB_FEATURE("avx512f"),  RAYLAB_FEATURE("avx512bw"), RAYLAB_FEATURE("avx512dq"),
               RAYLAB_FEATURE("avx512vl"), RAYLAB_FEATURE("popcnt"),   RAYLAB_FEATURE("bmi")};
+#else
+    case Isa::neon:  // every 64-bit Arm processor has it
+      return {{"neon", true}};
+#endif
+    default:
+      return {};
   }
-  return {};
 }
 
 #undef RAYLAB_FEATURE
@@ -32,10 +38,9 @@ bool isa_supported(Isa isa) {
 }
 
 Isa newest_isa() {
-  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse42}) {
-    if (isa_supported(isa)) return isa;
-  }
-  throw Error(ErrorKind::failure, "processor", "has no SSE4.2");
+  const auto newest = std::find_if(kCompiledIsas.rbegin(), kCompiledIsas.rend(), isa_supported);
+  if (newest == kCompiledIsas.rend()) throw Error(ErrorKind::failure, "processor", "has no SSE4.2");
+  return *newest;
 }
 
 Isa choose_isa(std::optional<Isa> asked) {

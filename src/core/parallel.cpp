@@ -4,9 +4,12 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#ifndef __aarch64__
 #include <xmmintrin.h>
+#endif
 
 #include <atomic>
+#include <cstdint>
 
 // The thread sanitizer does not see how TBB's library hands work from thread to thread, so it is told here. This
 // file itself is left out of its view (see CMakeLists.txt), and with it TBB's headers.
@@ -18,8 +21,22 @@ extern "C" void __tsan_release(void* address);
 namespace raylab {
 
 namespace {
-constexpr unsigned kFlushToZero = 1u << 15;
-constexpr unsigned kDenormalsAreZero = 1u << 6;
+/// The register that controls how floats round, and its bits that flush denormal results and operands.
+#ifdef __aarch64__
+constexpr unsigned kFlushDenormals = 1u << 24;  // FZ
+unsigned float_control() {
+  std::uint64_t control;
+  asm volatile("mrs %0, fpcr" : "=r"(control));
+  return static_cast<unsigned>(control);
+}
+void set_float_control(unsigned control) {
+  asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{control}) : "memory");
+}
+#else
+constexpr unsigned kFlushDenormals = 1u << 15 | 1u << 6;  // FTZ and DAZ
+unsigned float_control() { return _mm_getcsr(); }
+void set_float_control(unsigned control) { _mm_setcsr(control); }
+#endif
 
 /// Work that is handed out while it lives: what came before its beginning is seen by the work, and what the work did
 /// is seen after its end.
@@ -88,10 +105,8 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
   tbb::parallel_invoke([&] { handover.run(a); }, [&] { handover.run(b); });
 }
 
-FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) {
-  _mm_setcsr(saved_ | kFlushToZero | kDenormalsAreZero);
-}
+FlushDenormals::FlushDenormals() : saved_(float_control()) { set_float_control(saved_ | kFlushDenormals); }
 
-FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
+FlushDenormals::~FlushDenormals() { set_float_control(saved_); }
 
 }  // namespace raylab

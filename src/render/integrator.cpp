@@ -29,16 +29,14 @@ std::string_view integrator_name(IntegratorKind kind) {
 
 namespace {
 
-TraceKernel kernel_of(Isa isa) {
-  switch (isa) {
-    case Isa::avx512:
-      return kTraceAvx512;
-    case Isa::avx2:
-      return kTraceAvx2;
-    case Isa::sse42:
-      break;
-  }
+TraceKernel kernel_of([[maybe_unused]] Isa isa) {
+#if defined(__x86_64__)
+  if (isa == Isa::avx512) return kTraceAvx512;
+  if (isa == Isa::avx2) return kTraceAvx2;
   return kTraceSse42;
+#else
+  return kTraceNeon;
+#endif
 }
 
 }  // namespace

@@ -75,8 +75,12 @@ struct ShadingScene {
   const LightTable& light_table;
 };
 
+#if defined(__x86_64__)
 extern const TraceKernel kTraceSse42;
 extern const TraceKernel kTraceAvx2;
 extern const TraceKernel kTraceAvx512;
+#else
+extern const TraceKernel kTraceNeon;
+#endif
 
 }  // namespace raylab

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -6,9 +7,18 @@
 
 namespace raylab {
 
-/// Instruction sets that the hot loops are compiled for, from the oldest to the newest. One is chosen at run time,
-/// and all give the same results, bit for bit.
-enum class Isa : std::uint8_t { sse42, avx2, avx512 };
+/// Instruction sets that the hot loops are compiled for. One is chosen at run time, and all give the same results,
+/// bit for bit.
+enum class Isa : std::uint8_t { sse42, avx2, avx512, neon };
+
+/// Those compiled for this architecture, from the oldest to the newest.
+#if defined(__x86_64__)
+inline constexpr std::array kCompiledIsas = {Isa::sse42, Isa::avx2, Isa::avx512};
+#elif defined(__aarch64__)
+inline constexpr std::array kCompiledIsas = {Isa::neon};
+#else
+#error "Raylab has vectors for 64-bit x86 and 64-bit Arm"
+#endif
 
 /// Its name on the command line.
 constexpr std::string_view isa_name(Isa isa) {
@@ -19,6 +29,8 @@ constexpr std::string_view isa_name(Isa isa) {
       return "avx2";
     case Isa::avx512:
       return "avx512";
+    case Isa::neon:
+      return "neon";
   }
   return "unknown instruction set";
 }

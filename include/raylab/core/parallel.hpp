@@ -30,8 +30,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 /// Exceptions reach the caller. Denormals are flushed as in parallel_for.
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
 
-/// Sets FTZ and DAZ for this thread while it lives, and restores them. Embree asks for both; every backend
-/// is measured under the same setting.
+/// Flushes denormal operands and results to zero in this thread while it lives (FTZ and DAZ of x86, FZ of Arm),
+/// and restores what was set. Embree asks for it; every backend is measured under the same setting.
 class FlushDenormals {
  public:
   FlushDenormals();

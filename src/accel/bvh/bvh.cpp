@@ -16,16 +16,14 @@ namespace bvh {
 
 namespace {
 
-const Kernel& kernel_of(Isa isa) {
-  switch (isa) {
-    case Isa::avx512:
-      return kKernelAvx512;
-    case Isa::avx2:
-      return kKernelAvx2;
-    case Isa::sse42:
-      break;
-  }
+const Kernel& kernel_of([[maybe_unused]] Isa isa) {
+#if defined(__x86_64__)
+  if (isa == Isa::avx512) return kKernelAvx512;
+  if (isa == Isa::avx2) return kKernelAvx2;
   return kKernelSse42;
+#else
+  return kKernelNeon;
+#endif
 }
 
 /// kDirectionRange for the book's triangle test. Its faults depend on the scale, so they are let be as far as the

@@ -1,0 +1,7 @@
+#include "wavefront.hpp"
+
+namespace raylab {
+
+const TraceKernel kTraceNeon = trace;
+
+}  // namespace raylab
