@@ -11,9 +11,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Image render_small(const Scene& scene, int width, int height, std::uint32_t samples) {
+Image render_small(const LoadedScene& loaded, int width, int height, std::uint32_t samples) {
+  const Scene& scene = loaded.scene;
   const auto accelerator = make_accelerator("bvh", scene.geometry);
   RenderOptions options;
+  options.camera = loaded.camera;
   options.width = width;
   options.height = height;
   options.samples_per_pixel = samples;
@@ -57,7 +59,7 @@ TEST_CASE("every shipped scene looks as it did", "[golden]") {
     const Image golden = read_exr(fs::path(RAYLAB_SOURCE_DIR) / "tests" / "golden" / (std::string(name) + ".exr"));
     const LoadedScene loaded = load_scene(file);
     CHECK(loaded.warnings.empty());
-    const Image now = render_small(loaded.scene, golden.width, golden.height, 16);
+    const Image now = render_small(loaded, golden.width, golden.height, 16);
     CHECK(changed_fraction(now, golden) < 0.03);
     CHECK(image_error(now, golden).mean_ratio == Approx(1.0).margin(0.02));
   }

@@ -29,12 +29,11 @@ material = "other name"
 
 TEST_CASE("an override replaces a value, adds a key or adds a table", "[unit]") {
   InputFolder folder;
-  const Scene scene = folder
-                          .load(kScene, {"camera.vfov=30", "camera.look_at = [1, 0, 0]", "render.width=17",
-                                         "background.color=[1, 1, 1]"})
-                          .scene;
-  CHECK(scene.camera.vfov == 30.0f);
-  CHECK(scene.camera.look_at == vec3(1.0f, 0.0f, 0.0f));
+  const LoadedScene loaded = folder.load(
+      kScene, {"camera.vfov=30", "camera.look_at = [1, 0, 0]", "render.width=17", "background.color=[1, 1, 1]"});
+  const Scene& scene = loaded.scene;
+  CHECK(loaded.camera.vfov == 30.0f);
+  CHECK(loaded.camera.look_at == vec3(1.0f, 0.0f, 0.0f));
   CHECK(scene.render.width == 17);
   CHECK(scene.environment.bottom == Rgb(1.0f));
 }
@@ -52,7 +51,7 @@ TEST_CASE("an override reaches into arrays of tables, arrays and quoted names", 
 
 TEST_CASE("of two overrides of one key the later wins", "[unit]") {
   InputFolder folder;
-  CHECK(folder.load(kScene, {"camera.vfov=30", "camera.vfov=20"}).scene.camera.vfov == 20.0f);
+  CHECK(folder.load(kScene, {"camera.vfov=30", "camera.vfov=20"}).camera.vfov == 20.0f);
 }
 
 TEST_CASE("a bare word is taken as a string", "[unit]") {

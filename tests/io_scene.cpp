@@ -14,10 +14,9 @@ const std::string kBall = "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial 
 
 }  // namespace
 
-TEST_CASE("every key of the camera and render tables reaches the scene", "[unit]") {
+TEST_CASE("every key of the camera and render tables is read", "[unit]") {
   InputFolder folder;
-  const Scene scene = folder
-                          .load(R"(
+  const LoadedScene loaded = folder.load(R"(
 [camera]
 look_from = [1, 2.5, -3]
 look_at = [0, 1, 0]
@@ -30,15 +29,15 @@ width = 320
 height = 200
 samples_per_pixel = 9
 max_depth = 11
-)")
-                          .scene;
+)");
+  const Scene& scene = loaded.scene;
   CHECK(scene.name == "scene");
-  CHECK(scene.camera.look_from == vec3(1.0f, 2.5f, -3.0f));
-  CHECK(scene.camera.look_at == vec3(0.0f, 1.0f, 0.0f));
-  CHECK(scene.camera.up == vec3(0.0f, 0.0f, 1.0f));
-  CHECK(scene.camera.vfov == 40.0f);
-  CHECK(scene.camera.defocus_angle == 0.5f);
-  CHECK(scene.camera.focus_distance == 7.0f);
+  CHECK(loaded.camera.look_from == vec3(1.0f, 2.5f, -3.0f));
+  CHECK(loaded.camera.look_at == vec3(0.0f, 1.0f, 0.0f));
+  CHECK(loaded.camera.up == vec3(0.0f, 0.0f, 1.0f));
+  CHECK(loaded.camera.vfov == 40.0f);
+  CHECK(loaded.camera.defocus_angle == 0.5f);
+  CHECK(loaded.camera.focus_distance == 7.0f);
   CHECK(scene.render.width == 320);
   CHECK(scene.render.height == 200);
   CHECK(scene.render.samples_per_pixel == 9);
@@ -47,7 +46,7 @@ max_depth = 11
 
 TEST_CASE("a camera given in part keeps the defaults for the rest", "[unit]") {
   InputFolder folder;
-  const CameraSettings camera = folder.load("[camera]\nvfov = 33\n").scene.camera;
+  const CameraSettings camera = folder.load("[camera]\nvfov = 33\n").camera;
   const CameraSettings defaults;
   CHECK(camera.vfov == 33.0f);
   CHECK(camera.look_at == defaults.look_at);

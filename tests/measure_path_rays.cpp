@@ -16,7 +16,7 @@ std::vector<RaySet> cornell_rays(std::size_t count, int max_depth) {
   const auto accelerator = make_accelerator("list", loaded.scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = max_depth;
-  return path_ray_sets(loaded.scene, *accelerator, settings, count, 1);
+  return path_ray_sets(loaded.scene, loaded.camera, *accelerator, settings, count, 1);
 }
 
 }  // namespace

@@ -13,8 +13,9 @@ using namespace raylab::test;
 TEST_CASE("pictures of all accelerators agree with the list's at equal seed", "[agreement][accelerators]") {
   // Where they differ: another rounding of t, u or v moves the next ray by its last bits, and a choice further on,
   // such as whether glass reflects, may fall the other way.
-  const Scene scene = lit_room();
-  const RenderOptions options = render_options(32, 32, 16);
+  const SeenScene scene = lit_room();
+  RenderOptions options = render_options(32, 32, 16);
+  options.camera = scene.camera;
   const auto picture_of = [&](const std::string& name, std::optional<Intersector> intersector) {
     AcceleratorOptions choice;
     choice.intersector = intersector;

@@ -31,7 +31,7 @@ std::vector<Method> methods() {
 }
 
 /// Mean over a small picture; `error` includes what floats cannot tell.
-Estimate estimate(const Scene& scene, const Method& method, std::uint32_t samples, int max_depth) {
+Estimate estimate(const SeenScene& scene, const Method& method, std::uint32_t samples, int max_depth) {
   RenderOptions options = render_options(6, 6, samples, max_depth);
   options.integrator.kind = method.integrator;
   options.sampler = method.sampler;
@@ -71,7 +71,7 @@ TEST_CASE("in a white furnace nothing can be told apart", "[statistical][furnace
   for (const Furnace& furnace : kFurnaces) {
     for (const Object& object : objects) {
       for (const bool mesh : {false, true}) {
-        Scene scene;
+        SeenScene scene;
         if (mesh) {
           add_box(scene, vec3(-0.7f), vec3(0.7f, 0.8f, 0.9f), object.material);
         } else {
@@ -96,7 +96,7 @@ TEST_CASE("in a white furnace a fuzzy metal is as bright as what it does not abs
   for (const Furnace& furnace : kFurnaces) {
     for (const float fuzz : {0.05f, 0.3f, 1.0f}) {
       for (const double degrees : {0.0, 40.0, 80.0}) {
-        Scene scene;
+        SeenScene scene;
         add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, metal(grey(1.0f), fuzz));
         furnace.enclose(scene);
         const double angle = degrees * kPiD / 180.0;
@@ -117,7 +117,7 @@ TEST_CASE("light between two concentric spheres adds up to its series", "[statis
   // sees is the light, the rest wall. With n segments L = rho Le F (1 + a + a² + ... + a^(n-2)), a = rho (1 - F).
   constexpr double kLight = 3.0, kFraction = 0.0625;
   for (const double albedo : {0.5, 0.99}) {
-    Scene scene;
+    SeenScene scene;
     add_sphere(scene, vec3(0.0f), 2.0f, lambertian(grey(static_cast<float>(albedo))));
     add_sphere(scene, vec3(0.0f), 0.5f, light(grey(static_cast<float>(kLight))));
     look(scene, {0, 0.1f, 1.2f}, {0.2f, 0.3f, 2.0f}, 50.0f);
@@ -144,7 +144,7 @@ TEST_CASE("a lamp lights the floor by its form factor", "[statistical][furnace]"
   const double quarter = (a / std::sqrt(1 + a * a) * std::atan(b / std::sqrt(1 + a * a)) +
                           b / std::sqrt(1 + b * b) * std::atan(a / std::sqrt(1 + b * b))) /
                          (2.0 * kPiD);
-  Scene scene;
+  SeenScene scene;
   add_quad(scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, lambertian(grey(static_cast<float>(albedo))));
   add_quad(scene, vec3(dvec3(-x, height, -y)), vec3(dvec3(2 * x, 0, 0)), vec3(dvec3(0, 0, 2 * y)),
            light(grey(static_cast<float>(radiance))));
@@ -158,7 +158,7 @@ TEST_CASE("a lamp lights the floor by its form factor", "[statistical][furnace]"
 }
 
 TEST_CASE("the depth counts segments, the camera's included", "[unit][furnace]") {
-  Scene scene;
+  SeenScene scene;
   add_sphere(scene, {0, 0, -3}, 1.0f, glass(1.0f));  // no boundary: nothing but two more segments
   add_sphere(scene, {0, 0, -10}, 3.0f, light(grey(2.0f)));
   look(scene, vec3(0.0f), {0, 0, -1}, 5.0f);
@@ -189,7 +189,7 @@ TEST_CASE("glass seen from inside lets through what Fresnel's equations say", "[
                          Known{40.0, 0.24529120428690981}, Known{41.0, 0.37975126596244024},
                          Known{41.5, 0.5416199915153559}, Known{41.8, 0.8907719214997081}, Known{42.0, 1.0}}) {
     const auto away = static_cast<float>(std::sin(k.degrees * kPiD / 180.0));
-    Scene scene;
+    SeenScene scene;
     add_sphere(scene, vec3(0.0f), 1.0f, glass());
     set_sky(scene, Rgb(1.0f));
     look(scene, {away, 0, 0}, {away, 0, 1}, 0.0005f);

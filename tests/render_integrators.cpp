@@ -19,13 +19,13 @@ namespace {
 struct Case {
   const char* name;
   int max_depth;
-  std::function<void(Scene&)> add;
+  std::function<void(SeenScene&)> add;
 };
 
 void add_floor(Scene& s, const Material& m) { add_quad(s, {-3, 0, -3}, {0, 0, 6}, {6, 0, 0}, m); }
 
 /// Objects of every material on a floor, seen from the front.
-void add_objects(Scene& s) {
+void add_objects(SeenScene& s) {
   add_floor(s, lambertian(checker(0.5f, Rgb(0.8f, 0.3f, 0.2f), Rgb(0.2f, 0.5f, 0.8f))));
   add_sphere(s, {-1.2f, 0.6f, 0}, 0.6f, glass());
   add_sphere(s, {0, 0.6f, -0.4f}, 0.6f, metal(color(0.9f, 0.7f, 0.4f), 0.15f));
@@ -37,69 +37,69 @@ void add_objects(Scene& s) {
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
       {"a quad of light over every material", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_quad(s, {-1.5f, 2.5f, -1.5f}, {3, 0, 0}, {0, 0.2f, 3}, light(color(3, 2, 1)));
        }},
       {"a sphere of light beside every material", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_sphere(s, {2.0f, 2.4f, 1.5f}, 0.9f, light(color(2, 4, 5)));
        }},
       {"everything inside a sphere of light", 6,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_sphere(s, {0.5f, 0.2f, 0}, 6.0f, light(color(0.5f, 0.8f, 1)));
        }},
       {"a light with a picture on it", 6,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_quad(s, {-2, 3, -2}, {4, 0, 0}, {0, 0, 4},
                   light(picture(s, 4, 4, [](int x, int y) { return Rgb(x == 1 ? 6.0f : 0.1f, y, 0.5f * x); })));
        }},
       {"a checkered sphere of light, partly black", 6,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_sphere(s, {-1, 3, 0.5f}, 1.2f, light(checker(0.6f, Rgb(0.0f), Rgb(6, 3, 2))));
        }},
       {"a constant sky", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          set_sky(s, Rgb(0.7f, 0.8f, 1.0f));
        }},
       {"a gradient sky", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          set_sky(s, Rgb(1, 0.6f, 0.2f), Rgb(0.2f, 0.4f, 2));
        }},
       {"a picture of the sky with a bright part", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          set_sky(s, 12, 6,
                  [](int x, int y) { return x > 6 && x < 9 && y == 1 ? Rgb(12, 10, 8) : Rgb(0.1f, 0.2f, 0.4f); });
        }},
       {"lights of every kind together", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_quad(s, {-2.5f, 2.0f, -1.0f}, {1, 0.5f, 0}, {0, 0.3f, 2}, light(color(4, 1, 1)));
          add_sphere(s, {2.2f, 2.0f, 0}, 0.7f, light(color(1, 4, 2)));
          set_sky(s, 8, 4, [](int x, int y) { return Rgb(0.1f * x, 0.2f, y == 0 ? 1.5f : 0.1f); });
        }},
       {"glass around and in front of the light", 12,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_objects(s);
          add_sphere(s, {0, 2.4f, 0.3f}, 0.9f, glass());
          add_sphere(s, {0, 2.4f, 0.3f}, 0.7f, light(grey(4)));
        }},
       {"a mirror that shows the light", 6,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_floor(s, metal(grey(0.9f), 0.0f));
          add_quad(s, {-3, 0, -3}, {6, 0, 0}, {0, 4, 0}, lambertian(grey(0.7f)));
          add_quad(s, {-1, 1.5f, -1}, {2, 0, 0}, {0, 1, 1}, light(grey(3)));
          look(s, {0, 1.5f, 4.0f}, {0, 0.8f, 0}, 50.0f);
        }},
       {"fuzzy metals of every degree", 8,
-       [](Scene& s) {
+       [](SeenScene& s) {
          add_floor(s, metal(grey(0.8f), 0.4f));
          for (int i = 0; i < 4; ++i) {
            add_sphere(s, {-1.5f + static_cast<float>(i), 0.5f, 0}, 0.45f,
@@ -108,9 +108,9 @@ const std::vector<Case>& cases() {
          add_quad(s, {-2, 2.5f, -2}, {4, 0, 0}, {0, 0.5f, 4}, light(grey(2)));
          look(s, {0, 1.8f, 4.0f}, {0, 0.5f, 0}, 45.0f);
        }},
-      {"a closed room with long paths", 60, [](Scene& s) { s = lit_room(); }},
+      {"a closed room with long paths", 60, [](SeenScene& s) { s = lit_room(); }},
       {"smooth meshes with pictures, through a lens", 6,
-       [](Scene& s) {
+       [](SeenScene& s) {
          const Texture t = picture(s, 8, 8, [](int x, int y) { return Rgb(0.1f * x, 0.1f * y, 0.5f); });
          add_floor(s, lambertian(t));
          add_smooth_sphere(s, {-0.9f, 0.8f, 0}, 0.8f, 5, lambertian(t));
@@ -125,8 +125,8 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-Estimate estimate(const Scene& scene, IntegratorKind kind, SamplerKind sampler, int max_depth, std::uint32_t seed,
-                  bool all) {
+Estimate estimate(const SeenScene& scene, IntegratorKind kind, SamplerKind sampler, int max_depth,
+                  std::uint32_t seed, bool all) {
   RenderOptions options = render_options(12, 12, 400, max_depth);
   options.integrator.kind = kind;
   options.sampler = sampler;
@@ -141,7 +141,7 @@ TEST_CASE("path and book agree on the mean of every scene", "[statistical][integ
   double sum_of_squares = 0.0;
   std::uint32_t seed = 100;
   for (const Case& c : cases()) {
-    Scene scene;
+    SeenScene scene;
     c.add(scene);
     using K = IntegratorKind;
     const Estimate book = estimate(scene, K::book, SamplerKind::independent, c.max_depth, ++seed, false);
@@ -182,10 +182,12 @@ TEST_CASE("path and book agree on the mean of every shipped scene", "[statistica
       WARN(s.name << " is left out: its model is not there (see scenes/fetch)");
       continue;
     }
-    const Scene scene = load_scene(folder / (std::string(s.name) + ".toml")).scene;
+    const LoadedScene loaded = load_scene(folder / (std::string(s.name) + ".toml"));
+    const Scene& scene = loaded.scene;
     const auto accelerator = make_accelerator("bvh", scene.geometry);
     const auto mean_of = [&](IntegratorKind kind, std::uint32_t samples) {
       RenderOptions options = render_options(24, 24, samples, scene.render.max_depth);
+      options.camera = loaded.camera;
       options.integrator.kind = kind;
       options.sampler = SamplerKind::independent;
       options.seed = kind == IntegratorKind::path ? 11 : 12;
@@ -203,7 +205,7 @@ TEST_CASE("path and book agree on the mean of every shipped scene", "[statistica
 }
 
 TEST_CASE("light sampling makes small lights quiet", "[statistical][integrators]") {
-  Scene scene;
+  SeenScene scene;
   add_floor(scene, lambertian(grey(0.7f)));
   add_sphere(scene, {0, 2, 0}, 0.2f, light(grey(20.0f)));
   look(scene, {0, 1, 3}, {0, 0, 0}, 30.0f);
@@ -215,12 +217,13 @@ TEST_CASE("light sampling makes small lights quiet", "[statistical][integrators]
 }
 
 TEST_CASE("rays are counted by what they are for", "[unit][integrators]") {
-  Scene scene;
+  SeenScene scene;
   add_quad(scene, {-9, 0, -9}, {0, 0, 18}, {18, 0, 0}, lambertian(grey(0.5f)));
   add_quad(scene, {-1, 2, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(1.0f)));
   look(scene, {0, 1, 0}, {0, 0, 0}, 30.0f);
   const auto accelerator = make_accelerator("list", scene.geometry);
   RenderOptions options = render_options(4, 4, 32, 2);
+  options.camera = scene.camera;
   RenderSession path(scene, *accelerator, options);
   path.run();
   CHECK(path.stats().rays.camera == 512);

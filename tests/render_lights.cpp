@@ -352,7 +352,7 @@ TEST_CASE("a light in whose plane the point lies gives it nothing", "[unit][ligh
 
 TEST_CASE("lights of any size are chosen", "[unit][lights]") {
   for (const float scale : {1e-12f, 1e-6f, 1.0f, 1e6f, 1e12f}) {
-    Scene scene;
+    SeenScene scene;
     add_quad(scene, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(1.0f)));
     add_sphere(scene, {0, -3, 0}, 0.5f, light(grey(2.0f)));
     scale_scene(scene, scale);

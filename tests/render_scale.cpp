@@ -32,8 +32,8 @@ Difference compare(const Film& film, const Film& reference) {
 
 /// Everything black but a light behind an opaque wall, and in front of the wall what `add` puts there.
 template <class Add>
-Scene hidden_light(const Add& add) {
-  Scene scene;
+SeenScene hidden_light(const Add& add) {
+  SeenScene scene;
   add_quad(scene, {-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, light(grey(100.0f)));
   add_quad(scene, {-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, lambertian(grey(0.8f)));
   add(scene);
@@ -76,7 +76,7 @@ TEST_CASE("a lit room from a micrometre to a thousand kilometres is the same pic
 }
 
 TEST_CASE("no light comes through a plate half a millimetre behind glass", "[stability][scale]") {
-  const Scene scene = hidden_light([](Scene& s) {
+  const SeenScene scene = hidden_light([](Scene& s) {
     add_quad(s, {-20, -20, 5e-4f}, {40, 0, 0}, {0, 40, 0}, glass(1.5f));
     add_sphere(s, {0, 0, 3}, 0.5f, lambertian(grey(0.9f)));
   });
@@ -95,7 +95,7 @@ TEST_CASE("no light comes through a plate half a millimetre behind glass", "[sta
 TEST_CASE("bent shading normals let no light through a wall", "[stability][scale]") {
   // Normals almost along the wall: half of the directions that look reflected go through it.
   for (const Material& material : {lambertian(grey(0.8f)), metal(grey(0.9f), 0.5f), metal(grey(0.9f), 0.0f)}) {
-    Scene scene = hidden_light([](Scene&) {});
+    SeenScene scene = hidden_light([](Scene&) {});
     scene.materials[1] = material;
     TriangleMesh& wall = scene.geometry.meshes[1];
     wall.normals = {glm::normalize(vec3(1, 0, 0.1f)), glm::normalize(vec3(0, 1, 0.1f)),
@@ -112,7 +112,7 @@ TEST_CASE("bent shading normals let no light through a wall", "[stability][scale
 TEST_CASE("a closed room stays dark whatever shines outside", "[stability][scale]") {
   for (const float scale : {1e-4f, 1.0f, 1e4f}) {
     for (const vec3& center : {vec3(0.0f), vec3(8.0f, -24.0f, 4.0f)}) {
-      Scene scene;
+      SeenScene scene;
       const vec3 c = scale * center;
       add_box(scene, c - vec3(scale), c + vec3(scale), lambertian(grey(0.9f)));
       add_sphere(scene, c + scale * vec3(0.3f, -0.5f, 0.2f), 0.4f * scale, glass());

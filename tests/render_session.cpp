@@ -17,8 +17,8 @@ using namespace raylab::test;
 namespace {
 
 /// A scene that uses most of what there is, so that any state shared between samples would show.
-Scene varied_scene() {
-  Scene scene = lit_room();
+SeenScene varied_scene() {
+  SeenScene scene = lit_room();
   add_quad(scene, {-1, -0.99f, 0.4f}, {2, 0, 0}, {0, 0.1f, -0.3f},
            lambertian(picture(scene, 4, 4, [](int x, int y) { return Rgb(0.2f * x, 0.2f * y, 0.5f); })));
   scene.camera.defocus_angle = 1.0f;
@@ -26,16 +26,17 @@ Scene varied_scene() {
 }
 
 /// A floor under a lamp so bright that some, not all, of its light is more than a float can hold.
-Scene blinding_scene() {
-  Scene scene;
+SeenScene blinding_scene() {
+  SeenScene scene;
   add_quad(scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, lambertian(grey(0.8f)));
   add_quad(scene, {-1, 0.3f, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(3e38f)));
   look(scene, {0, 0.2f, 1.9f}, {0, 0, 0}, 60.0f);
   return scene;
 }
 
-RenderOptions small_options(const std::string& sampler) {
+RenderOptions small_options(const SeenScene& scene, const std::string& sampler) {
   RenderOptions options = render_options(19, 13, 12);
+  options.camera = scene.camera;
   options.sampler = parse_sampler(sampler);
   options.seed = 5;
   return options;
@@ -44,9 +45,9 @@ RenderOptions small_options(const std::string& sampler) {
 }  // namespace
 
 TEST_CASE("threads, tiles and passes do not change a bit of the picture", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   for (const char* sampler : {"independent", "sobol"}) {
-    const RenderOptions reference_options = small_options(sampler);
+    const RenderOptions reference_options = small_options(scene, sampler);
     const Film reference = render(scene, reference_options);
     for (const int threads : {1, 2, 8}) {
       const ThreadLimit limit(threads);
@@ -67,10 +68,10 @@ TEST_CASE("threads, tiles and passes do not change a bit of the picture", "[unit
 }
 
 TEST_CASE("every instruction set gives the same picture to the bit", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book}) {
     for (const char* sampler : {"independent", "sobol"}) {
-      RenderOptions options = small_options(sampler);
+      RenderOptions options = small_options(scene, sampler);
       options.integrator.kind = kind;
       options.integrator.isa = kCompiledIsas.front();
       const Film reference = render(scene, options);
@@ -93,10 +94,10 @@ TEST_CASE("an instruction set that the processor lacks is refused", "[unit][sess
 }
 
 TEST_CASE("ranges of samples rendered apart add up to the whole to the bit", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   for (const char* sampler : {"independent", "sobol"}) {
     const auto range = [&](std::uint32_t first, std::uint32_t count) {
-      RenderOptions options = small_options(sampler);
+      RenderOptions options = small_options(scene, sampler);
       options.first_sample = first;
       options.samples_per_pixel = count;
       return render(scene, options);
@@ -110,8 +111,8 @@ TEST_CASE("ranges of samples rendered apart add up to the whole to the bit", "[u
 }
 
 TEST_CASE("a crop holds the same pixels as the whole picture", "[unit][session]") {
-  const Scene scene = varied_scene();
-  RenderOptions options = small_options("sobol");
+  const SeenScene scene = varied_scene();
+  RenderOptions options = small_options(scene, "sobol");
   const Film whole = render(scene, options);
   for (const PixelRect& crop : {PixelRect{4, 3, 9, 5}, PixelRect{0, 0, 19, 13}, PixelRect{18, 12, 1, 1}}) {
     options.crop = crop;
@@ -131,9 +132,10 @@ TEST_CASE("a crop holds the same pixels as the whole picture", "[unit][session]"
 }
 
 TEST_CASE("samples that are not finite are dropped, counted, and the first can be made again", "[unit][session]") {
-  const Scene scene = blinding_scene();
+  const SeenScene scene = blinding_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
   RenderOptions options = render_options(8, 6, 64);
+  options.camera = scene.camera;
   for (const int tile : {1, 3, 16}) {
     options.tile_size = tile;
     options.pass_samples = static_cast<std::uint32_t>(tile);
@@ -182,9 +184,9 @@ TEST_CASE("samples that are not finite are dropped, counted, and the first can b
 }
 
 TEST_CASE("a session that has run is finished and does not run again", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderSession session(scene, *accelerator, small_options("sobol"));
+  RenderSession session(scene, *accelerator, small_options(scene, "sobol"));
   CHECK_FALSE(session.finished());
   CHECK(session.progress() == 0.0);
   CHECK(session.snapshot().samples(3, 3) == 0);
@@ -202,9 +204,9 @@ TEST_CASE("a session that has run is finished and does not run again", "[unit][s
 }
 
 TEST_CASE("a started session ends by itself and gives the same picture", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderSession session(scene, *accelerator, small_options("sobol"));
+  RenderSession session(scene, *accelerator, small_options(scene, "sobol"));
   session.start();
   while (!session.wait_for(5.0)) {
   }
@@ -212,13 +214,13 @@ TEST_CASE("a started session ends by itself and gives the same picture", "[unit]
   CHECK(session.wait_for(0.0));
   session.stop();
   CHECK(session.finished());
-  CHECK(different_pixels(session.snapshot(), render(scene, small_options("sobol"))) == 0);
+  CHECK(different_pixels(session.snapshot(), render(scene, small_options(scene, "sobol"))) == 0);
 }
 
 TEST_CASE("a stopped session leaves whole samples of some pixels and says it is not finished", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options("sobol");
+  RenderOptions options = small_options(scene, "sobol");
   options.samples_per_pixel = 1u << 30;  // days
   options.pass_samples = 2;
   options.tile_size = 4;
@@ -263,9 +265,9 @@ TEST_CASE("a stopped session leaves whole samples of some pixels and says it is 
 }
 
 TEST_CASE("a session can be stopped before it starts and destroyed while it runs", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options("sobol");
+  RenderOptions options = small_options(scene, "sobol");
   options.samples_per_pixel = 1u << 30;
   {
     RenderSession session(scene, *accelerator, options);
@@ -286,9 +288,9 @@ TEST_CASE("a session can be stopped before it starts and destroyed while it runs
 }
 
 TEST_CASE("snapshots taken while rendering only ever grow", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options("sobol");
+  RenderOptions options = small_options(scene, "sobol");
   options.pass_samples = 1;
   options.samples_per_pixel = 200;
   RenderSession session(scene, *accelerator, options);
@@ -313,11 +315,11 @@ TEST_CASE("snapshots taken while rendering only ever grow", "[unit][session]") {
 }
 
 TEST_CASE("options that make no picture are refused with what was found", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
   const auto refused = [&](ErrorKind kind, const char* place, std::initializer_list<const char*> parts,
                            const auto& change) {
-    RenderOptions options = small_options("sobol");
+    RenderOptions options = small_options(scene, "sobol");
     change(options);
     expect_error(kind, place, parts, [&] { RenderSession session(scene, *accelerator, options); });
   };

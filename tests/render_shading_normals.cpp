@@ -9,7 +9,7 @@ using namespace raylab::test;
 TEST_CASE("under a white sky a coarse mesh with smooth normals loses no light", "[statistical][furnace]") {
   for (const Material& material : {lambertian(grey(1.0f)), metal(grey(1.0f), 0.0f), glass()}) {
     for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book}) {
-      Scene scene;
+      SeenScene scene;
       add_smooth_sphere(scene, vec3(0.0f), 1.0f, 5, material);
       set_sky(scene, Rgb(1.0f));
       look(scene, {0, 0, 4}, {0, 0, 0}, 24.0f);

@@ -60,7 +60,6 @@ const std::vector<Case>& cases() {
        &N::environment_sampling,
        [](Scene& s) { set_sky(s, 2, 1, [](int x, int) { return Rgb(static_cast<float>(x)); }); },
        {&N::environment}},
-      {"lens", &N::lens, [](Scene& s) { s.camera.defocus_angle = 0.5f; }, {}},
   };
   return all;
 }
@@ -170,7 +169,7 @@ TEST_CASE("normals are kept where they bend the light and freed where flat or un
 }
 
 TEST_CASE("what is dropped is not missed: the picture stays the same to the bit", "[unit][needs]") {
-  Scene scene = lit_room();
+  SeenScene scene = lit_room();
   add_quad(scene, {-1, -0.99f, 0.5f}, {2, 0, 0}, {0, 0.1f, -0.3f}, lambertian(any_picture(scene)));
   add_smooth_sphere(scene, {0.0f, 0.3f, -0.3f}, 0.3f, 6, lambertian(grey(0.6f)));
   add_smooth_sphere(scene, {0.6f, 0.5f, -0.3f}, 0.15f, 4, light(grey(2.0f)));
@@ -182,13 +181,13 @@ TEST_CASE("what is dropped is not missed: the picture stays the same to the bit"
 
 TEST_CASE("what a scene does not need changes nothing when it is switched on", "[statistical][needs]") {
   // All branches on, with and without a picture of the sky to sample: the first is the same to the bit.
-  const Scene room = lit_room();
+  const SeenScene room = lit_room();
   RenderOptions options = render_options(16, 16, 16);
   const Film lean = render(room, options);
   options.needs = all_needs();
   CHECK(different_pixels(render(room, options), lean) == 0);
 
-  Scene sky;
+  SeenScene sky;
   add_sphere(sky, vec3(0.0f), 1.0f, lambertian(grey(0.6f)));
   set_sky(sky, Rgb(1.0f, 0.8f, 0.2f), Rgb(0.1f, 0.4f, 2.0f));
   look(sky, {0, 0.5f, 3}, vec3(0.0f), 45.0f);

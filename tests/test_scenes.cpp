@@ -160,7 +160,7 @@ void set_sky(Scene& scene, int width, int height, const std::function<Rgb(int, i
   scene.environment.picture = make_image(width, height, texel);
 }
 
-void look(Scene& scene, const vec3& from, const vec3& at, float vfov) {
+void look(SeenScene& scene, const vec3& from, const vec3& at, float vfov) {
   scene.camera.look_from = from;
   scene.camera.look_at = at;
   scene.camera.up = std::abs(glm::normalize(at - from).y) > 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(0.0f, 1.0f, 0.0f);
@@ -168,8 +168,8 @@ void look(Scene& scene, const vec3& from, const vec3& at, float vfov) {
   scene.camera.focus_distance = glm::length(at - from);
 }
 
-Scene lit_room(float scale) {
-  Scene scene;
+SeenScene lit_room(float scale) {
+  SeenScene scene;
   const Material white = lambertian(grey(0.73f));
   add_quad(scene, {-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, white);
   add_quad(scene, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, white);
@@ -186,7 +186,7 @@ Scene lit_room(float scale) {
   return scene;
 }
 
-void scale_scene(Scene& scene, float factor) {
+void scale_scene(SeenScene& scene, float factor) {
   for (TriangleMesh& mesh : scene.geometry.meshes) {
     for (vec3& p : mesh.positions) p *= factor;
   }
@@ -209,7 +209,9 @@ RenderOptions render_options(int width, int height, std::uint32_t samples, int m
   return o;
 }
 
-Film render(const Scene& scene, const RenderOptions& options, const std::string& accelerator) {
+Film render(const SeenScene& scene, const RenderOptions& given, const std::string& accelerator) {
+  RenderOptions options = given;
+  options.camera = scene.camera;
   const auto made = make_accelerator(accelerator, scene.geometry);
   RenderSession session(scene, *made, options);
   session.run();

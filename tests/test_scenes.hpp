@@ -37,19 +37,24 @@ void set_sky(Scene& scene, const Rgb& everywhere);
 void set_sky(Scene& scene, const Rgb& below, const Rgb& above);
 void set_sky(Scene& scene, int width, int height, const std::function<Rgb(int, int)>& texel);
 
-void look(Scene& scene, const vec3& from, const vec3& at, float vfov);
+/// A scene and what is to be seen of it.
+struct SeenScene : Scene {
+  CameraSettings camera;
+};
+
+void look(SeenScene& scene, const vec3& from, const vec3& at, float vfov);
 
 /// A closed room of 2 x 2 x 2 around the origin, seen from inside its open front: white walls, a red and a green
 /// one, a lamp below the ceiling, a glass sphere, a fuzzy metal sphere and a mirror on the floor.
-Scene lit_room(float scale = 1.0f);
+SeenScene lit_room(float scale = 1.0f);
 
 /// Moves and scales everything in the scene, its camera too, keeping what it looks like.
-void scale_scene(Scene& scene, float factor);
+void scale_scene(SeenScene& scene, float factor);
 
 RenderOptions render_options(int width, int height, std::uint32_t samples, int max_depth = 7);
 
-/// Renders all of it and waits.
-Film render(const Scene& scene, const RenderOptions& options, const std::string& accelerator = "list");
+/// Renders all of it with its own camera and waits.
+Film render(const SeenScene& scene, const RenderOptions& options, const std::string& accelerator = "list");
 
 /// Mean luminance of a picture, and its standard error as the variances of the pixels give it.
 struct Estimate {

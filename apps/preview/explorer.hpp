@@ -26,7 +26,7 @@ std::string_view compare_name(Compare compare);
 /// What keys and mouse do, without a window: the state of the preview and all that changes it.
 class Explorer {
  public:
-  /// All but the camera of the scene is read, now and later. The first of `accels` that is `accel` is chosen, and
+  /// The first of `accels` that is `accel` is chosen, and
   /// the next one is what it is compared with. Everything must outlive the explorer.
   Explorer(const Scene& scene, const CameraSettings& camera, CameraFile& file, AcceleratorShelf& shelf,
            std::vector<std::string> accels, const std::string& accel);

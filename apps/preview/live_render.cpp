@@ -76,8 +76,8 @@ std::vector<std::uint8_t> encode_srgb(const Image& image) {
   return bytes;
 }
 
-LiveRender::LiveRender(Scene& scene, AcceleratorShelf& shelf, std::mutex& camera_lock)
-    : scene_(scene), shelf_(shelf), camera_lock_(camera_lock), thread_([this] { work(); }) {}
+LiveRender::LiveRender(const Scene& scene, AcceleratorShelf& shelf)
+    : scene_(scene), shelf_(shelf), thread_([this] { work(); }) {}
 
 LiveRender::~LiveRender() {
   {
@@ -173,13 +173,6 @@ void LiveRender::serve(const TraceRequest& request, std::uint64_t number) {
   if (!outdated(number)) trace_all(request, accelerator, number, coarse);
 }
 
-std::unique_ptr<RenderSession> LiveRender::session(const TraceRequest& request, const Accelerator& accelerator,
-                                                   const RenderOptions& options) {
-  const std::lock_guard lock(camera_lock_);
-  scene_.camera = request.camera;
-  return std::make_unique<RenderSession>(scene_, accelerator, options);  // copies the camera
-}
-
 Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number) {
   RenderOptions options = for_live(request.options, request.accel, scene_.geometry);
   options.width = coarse_size(request.options.width, coarseness_);
@@ -187,27 +180,27 @@ Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& a
   options.crop.reset();
   options.samples_per_pixel = 1;
   const Stopwatch watch;
-  const auto coarse = session(request, accelerator, options);
-  coarse->start();
-  while (!coarse->wait_for(kPollSeconds)) {
-    if (watch.seconds() > 2.0 * kCoarseSeconds && outdated(number)) coarse->request_stop();
+  RenderSession coarse(scene_, accelerator, options);
+  coarse.start();
+  while (!coarse.wait_for(kPollSeconds)) {
+    if (watch.seconds() > 2.0 * kCoarseSeconds && outdated(number)) coarse.request_stop();
   }
-  coarse->stop();
+  coarse.stop();
   const double seconds = std::max(watch.seconds(), 1e-4);
   // Half a picture taken in twice the time is worth nothing, but its time is: the next one is coarser.
-  const double per_pixel = seconds / (std::max(coarse->progress(), 1e-3) * options.width * options.height);
+  const double per_pixel = seconds / (std::max(coarse.progress(), 1e-3) * options.width * options.height);
   const double pixels = static_cast<double>(request.options.width) * request.options.height;
   coarseness_ =
       std::clamp(static_cast<int>(std::ceil(std::sqrt(pixels * per_pixel / kCoarseSeconds))), 1, kCoarsest);
 
   TracedPicture picture;
   picture.request = number;
-  picture.image = coarse->snapshot().image();
-  picture.stats = coarse->stats();
+  picture.image = coarse.snapshot().image();
+  picture.stats = coarse.stats();
   picture.seconds = seconds;
   picture.estimated_relmse = kInfinity;
   Image image = picture.image;
-  if (coarse->finished()) publish(std::move(picture));
+  if (coarse.finished()) publish(std::move(picture));
   if (outdated(number)) note_stop();
   return image;
 }
@@ -215,25 +208,25 @@ Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& a
 void LiveRender::trace_all(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number,
                            const Image& coarse) {
   const Stopwatch watch;
-  const auto all = session(request, accelerator, for_live(request.options, request.accel, scene_.geometry));
-  all->start();
+  RenderSession all(scene_, accelerator, for_live(request.options, request.accel, scene_.geometry));
+  all.start();
   double next = kFirstPictureSeconds;
   for (bool ended = false; !ended;) {
     while (!ended && watch.seconds() < next) {
       if (wait_outdated(number, kPollSeconds)) {
-        all->stop();
+        all.stop();
         note_stop();
         return;
       }
-      ended = all->wait_for(0.0);
+      ended = all.wait_for(0.0);
     }
     const Stopwatch snapshot_watch;
     TracedPicture picture;
     picture.request = number;
-    picture.stats = all->stats();
+    picture.stats = all.stats();
     picture.seconds = watch.seconds();
-    take_snapshot(*all, coarse, picture);
-    picture.complete = ended && all->finished();
+    take_snapshot(all, coarse, picture);
+    picture.complete = ended && all.finished();
     publish(std::move(picture));
     next = watch.seconds() + snapshot_watch.seconds() / kSnapshotShare;
   }

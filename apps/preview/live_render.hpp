@@ -15,9 +15,8 @@ namespace raylab {
 
 /// What is to be seen.
 struct TraceRequest {
-  CameraSettings camera;
   std::string accel;
-  RenderOptions options;  ///< size, samples, seed, integrator: as raylab-render would have them
+  RenderOptions options;  ///< camera, size, samples, seed, integrator: as raylab-render would have them
 };
 
 /// What has been traced of a request so far.
@@ -43,9 +42,8 @@ std::vector<std::uint8_t> encode_srgb(const Image& image);
 /// soon be complete is kept, or there would be nothing to see while moving.
 class LiveRender {
  public:
-  /// The scene and the shelf must outlive it. `camera_lock` guards scene.camera, which is set for each request:
-  /// LiveRenders of one scene share it, and no one else may read scene.camera.
-  LiveRender(Scene& scene, AcceleratorShelf& shelf, std::mutex& camera_lock);
+  /// The scene and the shelf must outlive it; any number of LiveRenders may share them.
+  LiveRender(const Scene& scene, AcceleratorShelf& shelf);
   ~LiveRender();  ///< ends tracing and waits for it
   LiveRender(const LiveRender&) = delete;
   LiveRender& operator=(const LiveRender&) = delete;
@@ -74,17 +72,14 @@ class LiveRender {
   Image trace_coarse(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number);
   void trace_all(const TraceRequest& request, const Accelerator& accelerator, std::uint64_t number,
                  const Image& coarse);
-  std::unique_ptr<RenderSession> session(const TraceRequest& request, const Accelerator& accelerator,
-                                         const RenderOptions& options);
   bool outdated(std::uint64_t number) const;
   /// Waits this long, or until the request is outdated, and returns whether it is.
   bool wait_outdated(std::uint64_t number, double seconds);
   void publish(TracedPicture picture);
   void note_stop();
 
-  Scene& scene_;
+  const Scene& scene_;
   AcceleratorShelf& shelf_;
-  std::mutex& camera_lock_;
 
   mutable std::mutex mutex_;  // guards what follows, up to the thread
   std::condition_variable changed_;

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "raylab/accel/accelerator.hpp"
+#include "raylab/scene/camera.hpp"
 #include "raylab/scene/scene.hpp"
 
 namespace raylab {

@@ -35,7 +35,7 @@ std::vector<std::string> accelerator_names() {
 
 bool same_view(const TraceRequest& a, const TraceRequest& b) {
   const auto view = [](const TraceRequest& r) {
-    const CameraSettings& c = r.camera;
+    const CameraSettings& c = r.options.camera;
     return std::tuple(c.look_from.x, c.look_from.y, c.look_from.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                       c.up.y, c.up.z, c.vfov, c.defocus_angle, c.focus_distance, r.options.width,
                       r.options.height);
@@ -45,26 +45,27 @@ bool same_view(const TraceRequest& a, const TraceRequest& b) {
 
 }  // namespace
 
-Preview::Preview(const PreviewCommand& command, LoadedScene& loaded)
+Preview::Preview(const PreviewCommand& command, const LoadedScene& loaded)
     : command_(command),
       scene_(loaded.scene),
-      options_(preview_render_options(command, loaded.scene)),
+      options_(preview_render_options(command, loaded)),
       camera_file_(command.scene),
       shelf_(scene_.geometry, accelerator_options(command)),
-      explorer_(scene_, scene_.camera, camera_file_, shelf_, accelerator_names(), command.accel),
+      explorer_(scene_, loaded.camera, camera_file_, shelf_, accelerator_names(), command.accel),
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),
       raster_(scene_),
       hud_(window_.handle()),
       script_(read_script(command.script)),
       first_surfaces_(shelf_) {
   if (command.view == "traced") explorer_.set_view(View::traced);
-  live_.emplace(scene_, shelf_, camera_lock_);
+  live_.emplace(scene_, shelf_);
 }
 
 Preview::~Preview() = default;
 
 TraceRequest Preview::request_for(const std::string& accel) const {
-  TraceRequest request{explorer_.camera(), accel, options_};
+  TraceRequest request{accel, options_};
+  request.options.camera = explorer_.camera();
   request.options.width = width_;
   request.options.height = height_;
   return request;
@@ -86,7 +87,7 @@ void Preview::ask_for_pictures() {
   };
   ask(*live_, asked_, number_, traced, explorer_.accel());
   const bool both = traced && explorer_.compare() != Compare::off;
-  if (both && !other_) other_.emplace(scene_, shelf_, camera_lock_);
+  if (both && !other_) other_.emplace(scene_, shelf_);
   if (other_) ask(*other_, asked_other_, other_number_, both, explorer_.other_accel());
 }
 
@@ -185,7 +186,8 @@ void Preview::update_comparison() {
     ComparedPicture made;
     Image image(1, 1);
     if (kind == Compare::disagreement && left != nullptr && right != nullptr) {
-      Disagreement d = disagreement(*left, *right, request.camera, request.options.width, request.options.height);
+      Disagreement d =
+          disagreement(*left, *right, request.options.camera, request.options.width, request.options.height);
       made.text = d.text();
       image = std::move(d.picture);
     } else if (kind == Compare::difference && a->image.width == b->image.width &&

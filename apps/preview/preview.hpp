@@ -20,7 +20,7 @@ namespace raylab {
 class Preview {
  public:
   /// Opens the window. Throws Error: input and usage before anything is shown, failure without OpenGL 3.3.
-  Preview(const PreviewCommand& command, LoadedScene& loaded);
+  Preview(const PreviewCommand& command, const LoadedScene& loaded);
   ~Preview();
 
   /// Until the user leaves, or the script or the number of frames ends.
@@ -53,7 +53,7 @@ class Preview {
   TraceRequest request_for(const std::string& accel) const;
 
   const PreviewCommand& command_;
-  Scene& scene_;
+  const Scene& scene_;
   RenderOptions options_;
   CameraFile camera_file_;
   AcceleratorShelf shelf_;
@@ -64,7 +64,6 @@ class Preview {
   Hud hud_;
   ScriptRunner script_;
 
-  std::mutex camera_lock_;
   std::optional<LiveRender> live_, other_;
   std::optional<TraceRequest> asked_, asked_other_;
   std::uint64_t number_ = 0, other_number_ = 0;

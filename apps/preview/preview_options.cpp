@@ -34,10 +34,10 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
   return command;
 }
 
-RenderOptions preview_render_options(const PreviewCommand& command, const Scene& scene) {
+RenderOptions preview_render_options(const PreviewCommand& command, const LoadedScene& loaded) {
   RenderCommand render;
   static_cast<PictureCommand&>(render) = command;
-  RenderOptions options = session_options(render, scene);
+  RenderOptions options = session_options(render, loaded);
   if (!command.width && !command.height) {
     const double shrink = std::min({1.0, static_cast<double>(kWidestWindow) / options.width,
                                     static_cast<double>(kHighestWindow) / options.height});

@@ -4,7 +4,6 @@
 
 #include "options.hpp"
 #include "raylab/render/render_session.hpp"
-#include "raylab/scene/scene.hpp"
 
 namespace raylab {
 
@@ -25,6 +24,6 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
 
 /// What raylab-render would do with the same options, at the size the window starts with: the scene's own, made
 /// smaller in proportion where it would not fit a screen. Throws Error (usage).
-RenderOptions preview_render_options(const PreviewCommand& command, const Scene& scene);
+RenderOptions preview_render_options(const PreviewCommand& command, const LoadedScene& loaded);
 
 }  // namespace raylab

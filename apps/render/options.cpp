@@ -148,9 +148,10 @@ AcceleratorOptions accelerator_options(const PictureCommand& command) {
   return options;
 }
 
-RenderOptions session_options(const RenderCommand& command, const Scene& scene) {
+RenderOptions session_options(const RenderCommand& command, const LoadedScene& loaded) {
   RenderOptions options;
-  const RenderSettings& settings = scene.render;
+  options.camera = loaded.camera;
+  const RenderSettings& settings = loaded.scene.render;
   const auto checked = [](const char* option, int value, int largest) {
     if (value >= 1 && value <= largest) return value;
     throw Error(ErrorKind::usage, option,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "progress.hpp"
+#include "raylab/io/scene_file.hpp"
 #include "raylab/render/render_session.hpp"
 
 namespace CLI {
@@ -62,7 +63,7 @@ std::string command_line(const std::string& program, int argc, char** argv);
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code);
 
 /// What the session is to do: the scene's settings with the command line's on top. Throws Error (usage).
-RenderOptions session_options(const RenderCommand& command, const Scene& scene);
+RenderOptions session_options(const RenderCommand& command, const LoadedScene& loaded);
 
 /// "X,Y,WIDTH,HEIGHT" in pixels. Throws Error (usage).
 PixelRect parse_crop(const std::string& text);

@@ -119,7 +119,7 @@ int render(const RenderCommand& command) {
   const std::unique_ptr<Accelerator> accelerator = make_accelerator(command.accel, scene.geometry, accel_options);
 
   const InterruptGuard guard;
-  RenderSession session(scene, *accelerator, session_options(command, scene));
+  RenderSession session(scene, *accelerator, session_options(command, loaded));
   Progress progress(command.progress);
   session.start();
   while (!session.wait_for(0.05)) {

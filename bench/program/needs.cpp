@@ -66,7 +66,7 @@ Row Study::row(const char* question) const {
 }
 
 RenderOptions Study::options_for(const Choice& choice, std::uint32_t run) const {
-  RenderOptions o = options_of(scene_, options_.width);
+  RenderOptions o = options_of(loaded_, options_.width);
   o.integrator.kind = choice.integrator;
   o.integrator.max_depth = choice.max_depth;
   o.sampler = choice.sampler;

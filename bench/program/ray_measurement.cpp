@@ -14,11 +14,12 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
 }
 
 /// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
-std::vector<RaySet> scene_ray_sets(const Scene& scene, const RaysOptions& options) {
+std::vector<RaySet> scene_ray_sets(const LoadedScene& loaded, const RaysOptions& options) {
+  const Scene& scene = loaded.scene;
   const auto walker = make_accelerator(kDefaultAccelerator, scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = scene.render.max_depth;
-  std::vector<RaySet> sets = path_ray_sets(scene, *walker, settings, options.rays, options.seed);
+  std::vector<RaySet> sets = path_ray_sets(scene, loaded.camera, *walker, settings, options.rays, options.seed);
   std::vector<Ray> origins = sets[0].rays;
   origins.insert(origins.end(), sets[1].rays.begin(), sets[1].rays.end());
   for (RaySet& set : outline_ray_sets(scene.geometry, *walker, origins, options.rays, options.seed)) {
@@ -68,7 +69,7 @@ int run_ray_suite(const std::string& name, const RaysOptions& options, const Bui
     const Scene& scene = loaded.scene;
     const std::vector<Built> built = build_all(scene.geometry, suite);
     const Judge judge(scene.geometry);
-    for (const RaySet& set : scene_ray_sets(scene, options)) {
+    for (const RaySet& set : scene_ray_sets(loaded, options)) {
       if (set.rays.empty()) {
         suite.note(scene.name + " has no " + std::string(ray_kind_name(set.kind)) + " rays");
       } else {

@@ -59,7 +59,7 @@ struct Stage {
 };
 
 RenderOptions options_for(const Stage& stage, const Way& way, int spp, int run) {
-  RenderOptions o = options_of(stage.loaded.scene, stage.options.width);
+  RenderOptions o = options_of(stage.loaded, stage.options.width);
   o.integrator.kind = parse_integrator(way.integrator);
   o.sampler = parse_sampler(way.sampler);
   o.samples_per_pixel = static_cast<std::uint32_t>(spp);
@@ -260,7 +260,7 @@ int render(const RenderSuiteOptions& given) {
   std::vector<LoadedScene> scenes;
   for (const std::string& file : options.scenes) {
     scenes.push_back(load(suite, file));
-    const RenderOptions o = options_of(scenes.back().scene, options.width);
+    const RenderOptions o = options_of(scenes.back(), options.width);
     double samples = 2.0 * (options.reference_spp / 2);
     for (const int spp : options.spp) {
       samples += static_cast<double>(ways.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
@@ -272,8 +272,8 @@ int render(const RenderSuiteOptions& given) {
     std::vector<Built> built;
     for (const Way& way : ways) built.push_back(build(way.variant, loaded.scene.geometry, threads));
     const auto trusted = make_accelerator(kDefaultAccelerator, loaded.scene.geometry);
-    const Reference reference = reference_of(suite, loaded, *trusted, options_of(loaded.scene, options.width),
-                                             options.reference_spp, cache);
+    const Reference reference =
+        reference_of(suite, loaded, *trusted, options_of(loaded, options.width), options.reference_spp, cache);
     suite.note(format("%s: the reference's own relMSE is %.2g, its mean is good to %.2g",
                       loaded.scene.name.c_str(), reference.relmse, reference.mean_ratio_error));
     const Stage stage{options.scenes[i], loaded, reference, options, threads};

@@ -53,8 +53,10 @@ Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accele
   return {session.snapshot().image(), stats.seconds, cpu_seconds, stats.rays};
 }
 
-RenderOptions options_of(const Scene& scene, int width) {
+RenderOptions options_of(const LoadedScene& loaded, int width) {
+  const Scene& scene = loaded.scene;
   RenderOptions options;
+  options.camera = loaded.camera;
   options.width = width > 0 ? width : scene.render.width;
   const double aspect = static_cast<double>(scene.render.width) / scene.render.height;
   options.height = std::max(1, static_cast<int>(std::lround(options.width / aspect)));

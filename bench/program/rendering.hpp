@@ -22,8 +22,8 @@ double work_of(const RenderOptions& options);
 Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accelerator,
                      const RenderOptions& options);
 
-/// The scene's settings at a picture `width` wide, or as wide as the scene says if 0.
-RenderOptions options_of(const Scene& scene, int width);
+/// The scene file's settings at a picture `width` wide, or as wide as the scene says if 0.
+RenderOptions options_of(const LoadedScene& loaded, int width);
 
 /// The picture that options_of() leads to, with `spp` samples of random numbers that no measured run uses. Kept in
 /// `cache` under the scene's hash and all that it depends on, and taken from there the next time.

@@ -13,7 +13,8 @@ namespace raylab {
 namespace {
 
 /// Everything is checked before the first mesh is loaded, as that may take long.
-Scene read_scene(const TomlValue& root, const std::filesystem::path& file, MaterialLibrary& library) {
+void read_scene(const TomlValue& root, const std::filesystem::path& file, MaterialLibrary& library,
+                LoadedScene& loaded) {
   const std::filesystem::path folder = file.parent_path();
   TableReader reader(root, "");
   const TomlValue* camera = reader.find("camera");
@@ -24,9 +25,9 @@ Scene read_scene(const TomlValue& root, const std::filesystem::path& file, Mater
   const auto sphere_tables = tables_of(reader.find("sphere"), "sphere");
   reader.finish();
 
-  Scene scene;
+  Scene& scene = loaded.scene;
   scene.name = file.stem().string();
-  scene.camera = read_camera(camera);
+  loaded.camera = read_camera(camera);
   scene.render = read_render(render);
   scene.environment = read_background(background, folder, library.files);
   SceneMaterials materials(material, folder, library);
@@ -37,7 +38,6 @@ Scene read_scene(const TomlValue& root, const std::filesystem::path& file, Mater
   if (meshes.empty() && scene.geometry.spheres.empty()) {
     library.warnings.push_back(file.string() + ": no mesh and no sphere: only the background can be seen");
   }
-  return scene;
 }
 
 std::uint64_t content_hash(const std::string& text, const std::vector<std::string>& overrides,
@@ -59,7 +59,7 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 
   MaterialLibrary library;
   LoadedScene loaded;
-  loaded.scene = read_scene(root, file, library);
+  read_scene(root, file, library, loaded);
   loaded.hash = content_hash(text, options.overrides, library);
   loaded.scene.materials = std::move(library.materials);
   loaded.scene.textures = library.textures.take_images();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "material_library.hpp"
+#include "raylab/scene/camera.hpp"
 #include "raylab/scene/scene.hpp"
 #include "toml_value.hpp"
 

@@ -84,9 +84,10 @@ std::vector<Ray> evenly_spaced(std::span<const Ray> rays, std::size_t count) {
   return chosen;
 }
 
-std::vector<RaySet> path_ray_sets(const Scene& scene, const Accelerator& accelerator,
+std::vector<RaySet> path_ray_sets(const Scene& scene, const CameraSettings& camera, const Accelerator& accelerator,
                                   const IntegratorSettings& settings, std::size_t count, std::uint32_t seed) {
   RenderOptions options;
+  options.camera = camera;
   const double aspect = static_cast<double>(scene.render.width) / scene.render.height;
   options.width = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count) * aspect))));
   options.height = std::max(1, static_cast<int>(std::ceil(options.width / aspect)));

@@ -22,7 +22,7 @@ FirstHitFeatures first_hit_features(const Scene& scene, const Accelerator& accel
                                     std::uint32_t samples) {
   FirstHitFeatures features{Image(options.width, options.height), Image(options.width, options.height), {}};
   features.depth.assign(features.albedo.pixels.size(), kInfinity);
-  const Camera camera(scene.camera, options.width, options.height);
+  const Camera camera(options.camera, options.width, options.height);
   const PixelRect region = options.crop.value_or(PixelRect{0, 0, options.width, options.height});
   parallel_for(static_cast<std::size_t>(region.height), [&](std::size_t row) {
     const int y = region.y + static_cast<int>(row);

@@ -87,7 +87,7 @@ RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator,
     : options_(options),
       region_(region_of(options)),
       needs_(options.needs ? *options.needs : scene_needs(scene)),
-      camera_(scene.camera, options.width, options.height),
+      camera_(options.camera, options.width, options.height),
       integrator_(scene, camera_, accelerator, needs_, options.integrator),
       tiles_(centre_out_tiles(region_, options.tile_size)),
       film_(options.width, options.height) {}

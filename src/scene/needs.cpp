@@ -89,7 +89,6 @@ SceneNeeds scene_needs(const Scene& scene) {
   }
   needs.environment = !scene.environment.is_black();
   needs.environment_sampling = needs.environment && scene.environment.kind == Environment::Kind::image;
-  needs.lens = scene.camera.defocus_angle > 0.0f;
   return needs;
 }
 
@@ -97,7 +96,7 @@ SceneNeeds all_needs() {
   SceneNeeds needs;
   needs.triangles = needs.spheres = needs.shading_normals = needs.texcoords = needs.textures = true;
   needs.lambertian = needs.rough_metal = needs.mirror = needs.dielectric = true;
-  needs.area_lights = needs.environment = needs.environment_sampling = needs.lens = true;
+  needs.area_lights = needs.environment = needs.environment_sampling = true;
   return needs;
 }
 
@@ -131,7 +130,6 @@ std::vector<std::string> describe(const SceneNeeds& needs) {
   line(needs.area_lights, "area lights", "emitting primitives are sampled");
   line(needs.environment, "background", "light from outside the scene");
   line(needs.environment_sampling, "background sampling", "directions chosen by a picture's brightness");
-  line(needs.lens, "lens", "the lens is sampled");
   return lines;
 }
 

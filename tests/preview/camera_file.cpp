@@ -35,7 +35,7 @@ bool same(const CameraSettings& a, const CameraSettings& b) {
 CameraSettings camera_of(const std::string& text) {
   TempFolder folder;
   write_text(folder / "scene.toml", text);
-  return load_scene(folder / "scene.toml").scene.camera;
+  return load_scene(folder / "scene.toml").camera;
 }
 
 constexpr const char* kOdd =

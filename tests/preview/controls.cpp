@@ -40,8 +40,8 @@ struct Ball : TempFolder {
     loaded = load_scene(*this / "ball.toml");
     file.emplace(*this / "ball.toml");
     shelf.get("bvh");
-    explorer.emplace(loaded.scene, loaded.scene.camera, *file, shelf,
-                     std::vector<std::string>{"list", "bvh", "embree"}, "bvh");
+    explorer.emplace(loaded.scene, loaded.camera, *file, shelf, std::vector<std::string>{"list", "bvh", "embree"},
+                     "bvh");
     explorer->resize(100, 100);
   }
   void press(Key key, double seconds = 0.0) {
@@ -115,7 +115,7 @@ TEST_CASE("a click focuses on what is there, and Tab orbits around it", "[unit][
 
 TEST_CASE("first surfaces lie where rays meet them, whatever the focus", "[unit][preview]") {
   Ball ball;
-  CameraSettings camera = ball.loaded.scene.camera;
+  CameraSettings camera = ball.loaded.camera;
   camera.focus_distance = GENERATE(1.0f, 4.0f, 300.0f);
   camera.defocus_angle = 5.0f;
   const std::vector<float> depths = first_depths(ball.shelf.get("bvh"), camera, 101, 51);
@@ -134,7 +134,7 @@ TEST_CASE("first surfaces lie where rays meet them, whatever the focus", "[unit]
 TEST_CASE("the depths of a view are found once, and anew when the view changes", "[unit][preview]") {
   Ball ball;
   FirstSurfaces surfaces(ball.shelf);
-  CameraSettings camera = ball.loaded.scene.camera;
+  CameraSettings camera = ball.loaded.camera;
   const auto find = [&] {
     while (!surfaces.update(camera, 11, 11)) std::this_thread::yield();
   };
@@ -238,7 +238,7 @@ TEST_CASE("Enter writes the camera, and says so when it may not", "[unit][previe
   const CameraSettings c = ball.explorer->camera();
   CHECK(read_text(ball / "ball.toml") == with_camera(kBall, "", c));
   CHECK(read_text(ball / "ball.toml").find("# the eye") != std::string::npos);
-  CHECK(load_scene(ball / "ball.toml").scene.camera.look_from == c.look_from);
+  CHECK(load_scene(ball / "ball.toml").camera.look_from == c.look_from);
   write_text(ball / "ball.toml", kBall);
   ball.press(Key::enter);
   CHECK(ball.explorer->message().find("changed since") != std::string::npos);

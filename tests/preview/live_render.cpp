@@ -16,14 +16,12 @@ namespace {
 
 struct Cornell {
   LoadedScene loaded = load_scene(RAYLAB_SOURCE_DIR "/scenes/cornell.toml");
-  const CameraSettings camera = loaded.scene.camera;  // the scene's own changes with each request
   AcceleratorShelf shelf{loaded.scene.geometry};
-  std::mutex camera_lock;
 
   TraceRequest request(int size, std::uint32_t samples) const {
     TraceRequest r;
-    r.camera = camera;
     r.accel = "bvh";
+    r.options.camera = loaded.camera;
     r.options.width = r.options.height = size;
     r.options.samples_per_pixel = samples;
     return r;
@@ -70,8 +68,8 @@ TEST_CASE("the still picture is that of a render session, bit for bit", "[unit][
   Cornell cornell;
   TraceRequest request = cornell.request(60, 5);
   request.options.height = 40;
-  request.camera.look_from.x += 10.0f;
-  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  request.options.camera.look_from.x += 10.0f;
+  LiveRender live(cornell.loaded.scene, cornell.shelf);
   live.ask(cornell.request(80, 1000));
   const std::uint64_t number = live.ask(request);
   REQUIRE(
@@ -79,8 +77,7 @@ TEST_CASE("the still picture is that of a render session, bit for bit", "[unit][
   const auto picture = live.latest();
   CHECK(picture->samples == 5);
 
-  Scene scene = load_scene(RAYLAB_SOURCE_DIR "/scenes/cornell.toml").scene;
-  scene.camera = request.camera;
+  const Scene& scene = cornell.loaded.scene;
   const auto accelerator = make_accelerator("bvh", scene.geometry);
   RenderSession session(scene, *accelerator, request.options);
   session.run();
@@ -118,7 +115,7 @@ TEST_CASE("a snapshot for the display says what the film says", "[unit][preview]
 
 TEST_CASE("a coarse picture comes first, then one that has a sample in every pixel", "[unit][preview]") {
   Cornell cornell;
-  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  LiveRender live(cornell.loaded.scene, cornell.shelf);
   live.ask(cornell.request(400, 1u << 20));
   REQUIRE(eventually([&] { return live.latest() != nullptr; }));
   CHECK(live.latest()->samples == 0);
@@ -131,7 +128,7 @@ TEST_CASE("a coarse picture comes first, then one that has a sample in every pix
 TEST_CASE("neither asking nor resting waits for what is traced, which then ends with the paths in hand",
           "[unit][preview]") {
   Cornell cornell;
-  auto live = std::make_unique<LiveRender>(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  auto live = std::make_unique<LiveRender>(cornell.loaded.scene, cornell.shelf);
   TraceRequest request = cornell.request(300, 1u << 20);
   request.accel = "gate";
   live->ask(request);
@@ -141,7 +138,7 @@ TEST_CASE("neither asking nor resting waits for what is traced, which then ends 
   const int before = Gate::batches;
   CHECK(eventually([&] { return Gate::batches > before; }));
   // What is traced stands still: whoever waited for it now would wait for ever.
-  request.camera.look_from.x += 1.0f;
+  request.options.camera.look_from.x += 1.0f;
   live->ask(request);
   live->rest();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // for the thread of the tracing to hear of it
@@ -156,10 +153,10 @@ TEST_CASE("neither asking nor resting waits for what is traced, which then ends 
 
 TEST_CASE("each request is answered, whatever was asked before", "[unit][preview]") {
   Cornell cornell;
-  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  LiveRender live(cornell.loaded.scene, cornell.shelf);
   for (int i = 0; i < 10; ++i) {
     TraceRequest request = cornell.request(300, 1u << 20);
-    request.camera.look_from.x += static_cast<float>(i);
+    request.options.camera.look_from.x += static_cast<float>(i);
     const std::uint64_t number = live.ask(request);
     REQUIRE(eventually([&] { return live.latest() && live.latest()->request == number; }));
   }
@@ -168,7 +165,7 @@ TEST_CASE("each request is answered, whatever was asked before", "[unit][preview
 TEST_CASE("tracing can end at any moment", "[unit][preview]") {
   Cornell cornell;
   for (int i = 0; i < 10; ++i) {
-    LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+    LiveRender live(cornell.loaded.scene, cornell.shelf);
     live.ask(cornell.request(200, 1u << 20));
     std::this_thread::sleep_for(std::chrono::milliseconds(5 * i));
   }
@@ -176,9 +173,9 @@ TEST_CASE("tracing can end at any moment", "[unit][preview]") {
 
 TEST_CASE("what goes wrong while tracing is said", "[unit][preview]") {
   Cornell cornell;
-  LiveRender live(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  LiveRender live(cornell.loaded.scene, cornell.shelf);
   TraceRequest request = cornell.request(10, 1);
-  request.camera.look_at = request.camera.look_from;
+  request.options.camera.look_at = request.options.camera.look_from;
   live.ask(request);
   REQUIRE(eventually([&] { return !live.failure().empty(); }));
   CHECK(live.failure().find("look_at") != std::string::npos);
@@ -190,16 +187,16 @@ TEST_CASE("what goes wrong while tracing is said", "[unit][preview]") {
 
 TEST_CASE("two live renders share a scene", "[unit][preview]") {
   Cornell cornell;
-  LiveRender a(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
-  LiveRender b(cornell.loaded.scene, cornell.shelf, cornell.camera_lock);
+  LiveRender a(cornell.loaded.scene, cornell.shelf);
+  LiveRender b(cornell.loaded.scene, cornell.shelf);
   TraceRequest other = cornell.request(30, 2);
   other.accel = "list";
-  other.camera.look_from.x += 50.0f;
+  other.options.camera.look_from.x += 50.0f;
   a.ask(cornell.request(30, 2));
   b.ask(other);
   REQUIRE(eventually([&] { return a.latest() && a.latest()->complete && b.latest() && b.latest()->complete; }));
   CHECK((a.latest()->image.pixels != b.latest()->image.pixels));
-  other.camera = cornell.camera;
+  other.options.camera = cornell.loaded.camera;
   const std::uint64_t number = b.ask(other);
   REQUIRE(eventually([&] { return b.latest()->request == number && b.latest()->complete; }));
   CHECK((a.latest()->image.pixels == b.latest()->image.pixels));
@@ -214,7 +211,7 @@ TEST_CASE("disagreement counts what two accelerators say of the camera rays", "[
   };
   Cornell cornell;
   const Accelerator& bvh = cornell.shelf.get("bvh");
-  const CameraSettings& camera = cornell.camera;
+  const CameraSettings& camera = cornell.loaded.camera;
   const Disagreement none = disagreement(bvh, cornell.shelf.get("list"), camera, 50, 40);
   CHECK(none.rays == 2000);
   CHECK(none.presence + none.distance + none.primitive + none.last_bits == 0);

@@ -166,7 +166,7 @@ TEST_CASE("over the traced picture the focus plane tints what lies behind it, an
                          "key f\n" + shot("again.png") + "key enter\nkey f\nkey up 60\n" + shot("behind.png"),
                      {"--no-hud"});
   const Image8 without = read_image8(display.file("without.png")), with = read_image8(display.file("with.png"));
-  const double distance = load_scene(display.scene).scene.camera.focus_distance;
+  const double distance = load_scene(display.scene).camera.focus_distance;
   REQUIRE(distance > 4.1);
   REQUIRE(distance < 4.5);
   // The plane cuts the sphere, around (0, 0, 0), in a circle; its blue covers 32 %.

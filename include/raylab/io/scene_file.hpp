@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "raylab/scene/camera.hpp"
 #include "raylab/scene/scene.hpp"
 
 namespace raylab {
@@ -15,9 +16,10 @@ struct LoadOptions {
   bool keep_unneeded = false;  ///< keep mesh attributes that no material reads (see drop_unneeded)
 };
 
-/// A scene and what loading it had to say.
+/// A scene, the camera that its file gives, and what loading it had to say.
 struct LoadedScene {
   Scene scene;
+  CameraSettings camera;
   std::vector<std::string> warnings;  ///< "file:line: message": textures missing, faces left out, and the like
   std::vector<std::string> notes;     ///< how each material was understood, one line each
   std::uint64_t hash = 0;             ///< of the scene file's bytes, overrides, and all files it names

@@ -26,7 +26,7 @@ std::vector<Ray> evenly_spaced(std::span<const Ray> rays, std::size_t count);
 /// Up to `count` rays each of kind primary (from the camera), diffuse (continuing a path, whatever the material) and
 /// shadow (to a sampled light), as a RenderSession sends them for a picture of about `count` pixels: spread evenly
 /// over it, in its order. A kind that the scene's paths never send is empty.
-std::vector<RaySet> path_ray_sets(const Scene& scene, const Accelerator& accelerator,
+std::vector<RaySet> path_ray_sets(const Scene& scene, const CameraSettings& camera, const Accelerator& accelerator,
                                   const IntegratorSettings& settings, std::size_t count, std::uint32_t seed);
 
 /// Up to `count` rays aimed at edges that two triangles share, and at their ends, which nothing in front hides

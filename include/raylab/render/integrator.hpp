@@ -8,6 +8,7 @@
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/render/sampler.hpp"
+#include "raylab/scene/camera.hpp"
 #include "raylab/scene/needs.hpp"
 #include "raylab/scene/scene.hpp"
 

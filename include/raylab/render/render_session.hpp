@@ -26,6 +26,7 @@ struct PixelRect {
 
 /// What to render of a scene and how.
 struct RenderOptions {
+  CameraSettings camera;
   int width = 0;
   int height = 0;
   std::optional<PixelRect> crop;       ///< part of the picture to render; absent: all of it

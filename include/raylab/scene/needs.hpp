@@ -21,12 +21,11 @@ struct SceneNeeds {
   bool area_lights = false;   ///< some primitive emits
   bool environment = false;   ///< the background is not black
   bool environment_sampling = false;  ///< the background is a picture: directions are chosen by its brightness
-  bool lens = false;          ///< the camera is no pinhole
 
   bool operator==(const SceneNeeds&) const = default;
 };
 
-/// What the scene uses, from its materials, meshes and camera.
+/// What the scene uses, from its materials, meshes and background.
 SceneNeeds scene_needs(const Scene& scene);
 
 /// Everything on, for measuring what leaving things out saves.

@@ -1,11 +1,10 @@
 #pragma once
-// A scene as flat arrays. It owns no accelerator: one scene serves several in one process.
+// A scene as flat arrays. It owns no accelerator and no camera: one scene serves several of both in one process.
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "raylab/geometry/geometry.hpp"
-#include "raylab/scene/camera.hpp"
 #include "raylab/scene/environment.hpp"
 #include "raylab/scene/material.hpp"
 
@@ -31,7 +30,6 @@ struct MeshMaterials {
 
 struct Scene {
   std::string name;  ///< for messages and file attributes
-  CameraSettings camera;
   RenderSettings render;
   Environment environment;
   Geometry geometry;

@@ -1,4 +1,5 @@
 #pragma once
+#include "raylab/core/ray.hpp"
 #include "raylab/geometry/geometry.hpp"
 #include "raylab/scene/scene.hpp"
 
