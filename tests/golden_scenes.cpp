@@ -5,8 +5,10 @@
 #include "raylab/image/metrics.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "raylab/render/render_session.hpp"
+#include "shipped_scenes.hpp"
 
 using namespace raylab;
+using namespace raylab::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -48,16 +50,11 @@ double changed_fraction(const Image& a, const Image& b) {
 // libraries turned a path elsewhere.
 TEST_CASE("every shipped scene looks as it did", "[golden]") {
   for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest"}) {
-    const fs::path file = fs::path(RAYLAB_SOURCE_DIR) / "scenes" / (std::string(name) + ".toml");
-    const bool needs_model = std::string(name) == "dragon" || std::string(name) == "bunny";
-    const fs::path model = file.parent_path() / "models" / (std::string(name) + ".obj");
-    if (needs_model && !fs::exists(model)) {
-      WARN(name << " is left out: " << model.string() << " is not there (see scenes/fetch)");
-      continue;
-    }
-    INFO(name << "; made by: raylab-render " << file.string() << " --width 64 --spp 16 -o " << name << ".exr");
+    const auto file = shipped_scene(name);
+    if (!file) continue;
+    INFO(name << "; made by: raylab-render " << file->string() << " --width 64 --spp 16 -o " << name << ".exr");
     const Image golden = read_exr(fs::path(RAYLAB_SOURCE_DIR) / "tests" / "golden" / (std::string(name) + ".exr"));
-    const LoadedScene loaded = load_scene(file);
+    const LoadedScene loaded = load_scene(*file);
     CHECK(loaded.warnings.empty());
     const Image now = render_small(loaded, golden.width, golden.height, 16);
     CHECK(changed_fraction(now, golden) < 0.03);

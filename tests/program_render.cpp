@@ -185,7 +185,8 @@ TEST_CASE("the check option says how the scene was understood and writes nothing
   const std::string output = (folder / "none.exr").string();
   const ProgramResult result = raylab_render({kCornell, "-o", output, "--check"});
   CHECK(result.exit_code == 0);
-  for (const char* part : {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights"}) {
+  for (const char* part :
+       {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights", "376 of geometry"}) {
     INFO(part << " in " << result.out);
     CHECK(result.out.find(part) != std::string::npos);
   }

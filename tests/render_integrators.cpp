@@ -1,6 +1,5 @@
 // Both integrators, light sampling on and off, must agree on what a scene looks like.
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "expect_error.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/io/scene_file.hpp"
+#include "shipped_scenes.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
@@ -176,13 +176,9 @@ TEST_CASE("path and book agree on the mean of every shipped scene", "[statistica
                              {"bunny", 2000, 1000, 0.01},      {"globe", 2500, 200, 0.01},
                              {"forest", 500, 200, 0.005}};
   for (const Shipped& s : shipped) {
-    const std::filesystem::path folder = std::filesystem::path(RAYLAB_SOURCE_DIR) / "scenes";
-    const bool needs_model = std::string(s.name) == "dragon" || std::string(s.name) == "bunny";
-    if (needs_model && !std::filesystem::exists(folder / "models" / (std::string(s.name) + ".obj"))) {
-      WARN(s.name << " is left out: its model is not there (see scenes/fetch)");
-      continue;
-    }
-    const LoadedScene loaded = load_scene(folder / (std::string(s.name) + ".toml"));
+    const auto file = shipped_scene(s.name);
+    if (!file) continue;
+    const LoadedScene loaded = load_scene(*file);
     const Scene& scene = loaded.scene;
     const auto accelerator = make_accelerator("bvh", scene.geometry);
     const auto mean_of = [&](IntegratorKind kind, std::uint32_t samples) {

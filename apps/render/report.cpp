@@ -44,9 +44,13 @@ std::string check_text(const LoadedScene& loaded, double load_seconds) {
   text += "materials\n";
   for (const std::string& note : loaded.notes) text += "  " + note + "\n";
   text += "needs\n";
-  for (const std::string& line : describe(scene_needs(loaded.scene))) text += line + "\n";
-  text += format("  %.1f MiB of mesh attributes that no material reads were left out\n",
-                 mebibytes(loaded.dropped_bytes));
+  const SceneNeeds needs = scene_needs(loaded.scene);
+  for (const std::string& line : describe(needs)) text += line + "\n";
+  const Lights lights(loaded.scene, needs);
+  text += format(
+      "bytes\n  %zu of geometry, material ids and pictures\n  %zu for the sampling of %zu lights\n"
+      "  %zu of mesh attributes that no material reads were left out\n",
+      loaded.scene.bytes(), lights.bytes(), lights.count(), loaded.dropped_bytes);
   return text;
 }
 

@@ -170,7 +170,7 @@ int Study::choose_depth(const Choice& choice, const Accelerator& accelerator) co
 Choice Study::choose_strategy(Choice choice, const Accelerator& accelerator) const {
   Choice best = choice;
   double least = kInfinity;
-  const bool sky = scene_needs(scene_).environment;
+  const bool sky = !scene_.environment.is_black();
   for (const IntegratorKind integrator : {IntegratorKind::path, IntegratorKind::book}) {
     for (const SamplerKind sampler : {SamplerKind::sobol, SamplerKind::independent}) {
       for (const bool everything : {false, true}) {

@@ -46,6 +46,8 @@ void place_mesh(TriangleMesh& mesh, const MeshEntry& entry) {
 }  // namespace
 
 void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, Scene& scene) {
+  scene.geometry.spheres.reserve(tables.size());
+  scene.sphere_materials.reserve(tables.size());
   for (std::size_t i = 0; i < tables.size(); ++i) {
     TableReader reader(tables[i], "sphere." + std::to_string(i));
     for (const char* key : {"center", "radius", "material"}) reader.find(key);

@@ -34,15 +34,15 @@ constexpr double kLeastOfTable = 0x1p-10;
 
 Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   const Geometry& geometry = scene.geometry;
-  material_luminance_.resize(scene.materials.size(), 0.0f);
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& m = scene.materials[i];
-    if (m.kind == Material::Kind::diffuse_light) {
-      material_luminance_[i] = mean_luminance(m.color, scene.textures);
-    }
-  }
   std::vector<double> powers;
   if (needs.area_lights) {
+    material_luminance_.resize(scene.materials.size(), 0.0f);
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+      const Material& m = scene.materials[i];
+      if (m.kind == Material::Kind::diffuse_light) {
+        material_luminance_[i] = mean_luminance(m.color, scene.textures);
+      }
+    }
     for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
       for (std::uint32_t i = 0; i < geometry.meshes[m].triangles.size(); ++i) add_triangle(m, i, powers);
     }
@@ -54,7 +54,7 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
       }
     }
   }
-  if (needs.environment_sampling && needs.environment) {
+  if (needs.environment_sampling) {
     const Bounds bounds = geometry.bounds();
     const double radius = bounds.empty() ? 1.0 : 0.5 * glm::length(dvec3(bounds.diagonal()));
     const double power =
@@ -236,6 +236,7 @@ float Lights::triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hi
 }
 
 float Lights::triangle_pdf_area(std::uint32_t material) const {
+  if (material_luminance_.empty()) return 0.0f;
   return static_cast<float>(2.0 * static_cast<double>(material_luminance_[material]) * inv_total_power_);
 }
 
@@ -253,6 +254,7 @@ float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const ve
 
 float Lights::sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,
                          const vec3& wi) const {
+  if (material_luminance_.empty()) return 0.0f;
   const Sphere& s = scene_.geometry.spheres[sphere];
   const auto probability =
       static_cast<float>(material_luminance_[material] * sphere_power(s) * inv_total_power_);

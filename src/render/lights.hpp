@@ -106,7 +106,7 @@ class Lights {
   std::vector<std::uint32_t> spheres_;  ///< ids of those that emit
   /// The least number that chooses each emitter: triangles, spheres, and the environment if sampled.
   std::vector<std::uint64_t> first_;
-  std::vector<float> material_luminance_;
+  std::vector<float> material_luminance_;  ///< of each material; empty where area lights are not sampled
   double inv_total_power_ = 0.0;
   float environment_probability_ = 0.0f;
   EnvironmentSampler environment_;

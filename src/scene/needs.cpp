@@ -64,41 +64,18 @@ std::size_t release(std::vector<T>& v) {
 
 SceneNeeds scene_needs(const Scene& scene) {
   SceneNeeds needs;
-  std::vector<bool> used(scene.materials.size(), false);
-  for (std::size_t i = 0; i < scene.geometry.meshes.size(); ++i) {
-    const TriangleMesh& mesh = scene.geometry.meshes[i];
-    needs.triangles |= !mesh.triangles.empty();
-    const std::vector<bool> of_mesh = materials_of(scene, i);
-    for (std::size_t k = 0; k < used.size(); ++k) used[k] = used[k] || of_mesh[k];
-    needs.shading_normals |= !mesh.normals.empty() && mesh_reads(scene, i).normals;
-  }
   needs.spheres = !scene.geometry.spheres.empty();
-  for (const std::uint32_t id : scene.sphere_materials) used[id] = true;
-
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) continue;
-    const Material& m = scene.materials[i];
-    needs.textures |= m.color.kind != Texture::Kind::solid;
-    needs.texcoords |= m.color.kind == Texture::Kind::image;
-    switch (m.kind) {
-      case Material::Kind::lambertian: needs.lambertian = true; break;
-      case Material::Kind::metal: (m.fuzz > 0.0f ? needs.rough_metal : needs.mirror) = true; break;
-      case Material::Kind::dielectric: needs.dielectric = true; break;
-      case Material::Kind::diffuse_light: needs.area_lights = true; break;
-    }
+  for (std::size_t i = 0; i < scene.geometry.meshes.size(); ++i) {
+    needs.shading_normals |= !scene.geometry.meshes[i].normals.empty() && mesh_reads(scene, i).normals;
+    const std::vector<bool> used = materials_of(scene, i);
+    for (std::size_t k = 0; k < used.size(); ++k) needs.area_lights |= used[k] && is_light(scene.materials[k]);
   }
-  needs.environment = !scene.environment.is_black();
-  needs.environment_sampling = needs.environment && scene.environment.kind == Environment::Kind::image;
+  for (const std::uint32_t id : scene.sphere_materials) needs.area_lights |= is_light(scene.materials[id]);
+  needs.environment_sampling = scene.environment.kind == Environment::Kind::image && !scene.environment.is_black();
   return needs;
 }
 
-SceneNeeds all_needs() {
-  SceneNeeds needs;
-  needs.triangles = needs.spheres = needs.shading_normals = needs.texcoords = needs.textures = true;
-  needs.lambertian = needs.rough_metal = needs.mirror = needs.dielectric = true;
-  needs.area_lights = needs.environment = needs.environment_sampling = true;
-  return needs;
-}
+SceneNeeds all_needs() { return {true, true, true, true}; }
 
 std::size_t drop_unneeded(Scene& scene) {
   std::size_t freed = 0;
@@ -118,17 +95,9 @@ std::vector<std::string> describe(const SceneNeeds& needs) {
   const auto line = [&](bool needed, const char* name, const char* what) {
     lines.push_back(std::string(needed ? "  yes  " : "  no   ") + name + ": " + what);
   };
-  line(needs.triangles, "triangles", "meshes are intersected");
-  line(needs.spheres, "spheres", "spheres are intersected");
+  line(needs.spheres, "spheres", "hits may be of spheres");
   line(needs.shading_normals, "shading normals", "stored and interpolated");
-  line(needs.texcoords, "texture coordinates", "stored and interpolated");
-  line(needs.textures, "textures", "colours are looked up at the hit");
-  line(needs.lambertian, "lambertian", "diffuse reflection");
-  line(needs.rough_metal, "fuzzy metal", "glossy reflection with a density");
-  line(needs.mirror, "mirror", "metal without fuzz");
-  line(needs.dielectric, "dielectric", "reflection and refraction");
   line(needs.area_lights, "area lights", "emitting primitives are sampled");
-  line(needs.environment, "background", "light from outside the scene");
   line(needs.environment_sampling, "background sampling", "directions chosen by a picture's brightness");
   return lines;
 }

@@ -7,19 +7,12 @@
 
 namespace raylab {
 
-/// What a scene makes use of. Computed once; what it does not name is not stored, not sampled and not branched on.
+/// What a renderer has to be ready for. Computed once; what it does not name is not stored, not sampled and not
+/// branched on. Each one decides something: what no one asks about is not listed.
 struct SceneNeeds {
-  bool triangles = false;
   bool spheres = false;
-  bool shading_normals = false;  ///< some scattering mesh has normals that differ from the faces'
-  bool texcoords = false;        ///< some image texture is looked up
-  bool textures = false;         ///< some colour varies over a surface (checker or image)
-  bool lambertian = false;
-  bool rough_metal = false;   ///< metal with a density: fuzz > 0
-  bool mirror = false;        ///< metal without blur
-  bool dielectric = false;
-  bool area_lights = false;   ///< some primitive emits
-  bool environment = false;   ///< the background is not black
+  bool shading_normals = false;       ///< some scattering mesh has normals that differ from the faces'
+  bool area_lights = false;           ///< some primitive emits
   bool environment_sampling = false;  ///< the background is a picture: directions are chosen by its brightness
 
   bool operator==(const SceneNeeds&) const = default;
