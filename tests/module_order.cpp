@@ -23,6 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"io", {"core", "geometry", "image", "scene"}},
     {"render", {"core", "geometry", "image", "scene", "accel"}},
     {"measure", {"core", "geometry", "image", "scene", "accel", "render", "io"}},
+    {"apps", {"core"}},
 };
 
 /// Headers of libraries that one place alone may include, by the start of their names.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "raylab/apps/program.hpp"
 #include "raylab/core/error.hpp"
 
 namespace {
@@ -69,17 +70,11 @@ void run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
+  return raylab::run_and_tell("raylab-image", [&] {
     run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       throw Error(ErrorKind::output, "standard output", "cannot be written");
     }
     return 0;
-  } catch (const Error& e) {
-    std::fprintf(stderr, "raylab-image: %s\n", e.what());
-    return e.exit_code();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "raylab-image: %s\n", e.what());
-    return static_cast<int>(ErrorKind::failure);
-  }
+  });
 }

@@ -1,10 +1,9 @@
 #include "preview_main.hpp"
 
 #include <cstdio>
-#include <exception>
 
 #include "preview.hpp"
-#include "raylab/core/error.hpp"
+#include "raylab/apps/program.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/image/image_file.hpp"
 
@@ -29,17 +28,11 @@ int preview(const PreviewCommand& command) {
 }  // namespace
 
 int preview_main(int argc, char** argv) {
-  try {
+  return run_and_tell("raylab-preview", [&] {
     int exit_code = 0;
     const auto command = parse_preview_command(argc, argv, exit_code);
     return command ? preview(*command) : exit_code;
-  } catch (const Error& e) {
-    std::fprintf(stderr, "raylab-preview: %s\n", e.what());
-    return e.exit_code();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "raylab-preview: %s\n", e.what());
-  }
-  return static_cast<int>(ErrorKind::failure);
+  });
 }
 
 }  // namespace raylab

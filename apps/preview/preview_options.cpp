@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "keys.hpp"
+#include "raylab/apps/program.hpp"
 
 namespace raylab {
 

@@ -6,32 +6,16 @@
 #include <cstdio>
 #include <map>
 
+#include "raylab/apps/program.hpp"
 #include "raylab/core/error.hpp"
 
 namespace raylab {
 
 namespace {
 
-/// Quotes an argument so that a shell reads it back as it was.
-std::string shell_word(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-./=,:+@%") == std::string::npos;
-  if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 const std::vector<std::string> kLayers{"albedo", "normal", "depth", "variance", "samples"};
 
 }  // namespace
-
-std::string command_line(const std::string& program, int argc, char** argv) {
-  std::string line = program;
-  for (int i = 1; i < argc; ++i) line += " " + shell_word(argv[i]);
-  return line;
-}
 
 void add_picture_options(CLI::App& app, PictureCommand& command) {
   app.add_option("--accel", command.accel, "Accelerator by name, see raylab-render --list-accels")
@@ -53,22 +37,6 @@ void add_picture_options(CLI::App& app, PictureCommand& command) {
       ->capture_default_str();
   app.add_option("--set", command.overrides, "KEY=VALUE for any key of the scene file; repeatable")
       ->allow_extra_args(false);
-}
-
-bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {
-  try {
-    app.parse(argc, argv);
-    return true;
-  } catch (const CLI::ParseError& e) {
-    const bool asked = e.get_exit_code() == 0;  // --help or --version
-    if (asked) {
-      exit_code = app.exit(e);
-    } else {
-      std::fprintf(stderr, "%s: %s\nRun with --help for the options.\n", app.get_name().c_str(), e.what());
-      exit_code = static_cast<int>(ErrorKind::usage);
-    }
-    return false;
-  }
 }
 
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "progress.hpp"
+#include "raylab/core/progress.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "raylab/render/render_session.hpp"
 
@@ -34,9 +34,6 @@ void add_picture_options(CLI::App& app, PictureCommand& command);
 /// What the accelerator is to be built with. Throws Error (usage).
 AcceleratorOptions accelerator_options(const PictureCommand& command);
 
-/// Parses argv. False where there is nothing left to do: --help and --version, or a mistake, which is told.
-bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
-
 /// The command line of raylab-render.
 struct RenderCommand : PictureCommand {
   std::vector<std::string> outputs;
@@ -55,9 +52,6 @@ struct RenderCommand : PictureCommand {
   bool quiet = false;
   std::string command_line;  ///< as typed, for file attributes
 };
-
-/// A command line, quoted so that a shell reads it back as it was typed; the program by its name alone.
-std::string command_line(const std::string& program, int argc, char** argv);
 
 /// Parses argv. Returns nothing when there is nothing left to do (--help, --version), with the exit code set.
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code);

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <new>
 
-#include "interrupt.hpp"
 #include "options.hpp"
-#include "progress.hpp"
+#include "raylab/apps/program.hpp"
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/interrupt.hpp"
 #include "raylab/core/parallel.hpp"
+#include "raylab/core/progress.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/render/features.hpp"
 #include "report.hpp"
@@ -163,19 +162,11 @@ int render(const RenderCommand& command) {
 }  // namespace
 
 int render_main(int argc, char** argv) {
-  try {
+  return run_and_tell("raylab-render", [&] {
     int exit_code = 0;
     const auto command = parse_command(argc, argv, exit_code);
     return command ? render(*command) : exit_code;
-  } catch (const Error& e) {
-    std::fprintf(stderr, "raylab-render: %s\n", e.what());
-    return e.exit_code();
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "raylab-render: out of memory\n");
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "raylab-render: %s\n", e.what());
-  }
-  return static_cast<int>(ErrorKind::failure);
+  });
 }
 
 }  // namespace raylab

@@ -2,12 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <functional>
-#include <new>
 
 #include "commands.hpp"
-#include "options.hpp"
+#include "raylab/apps/program.hpp"
 #include "raylab/core/error.hpp"
 #include "suite.hpp"
 
@@ -205,20 +203,14 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int bench_main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const Interrupted&) {
-    std::fprintf(stderr, "raylab-bench: interrupted; what was measured is written\n");
-    return kInterrupted;
-  } catch (const Error& e) {
-    std::fprintf(stderr, "raylab-bench: %s\n", e.what());
-    return e.exit_code();
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "raylab-bench: out of memory\n");
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "raylab-bench: %s\n", e.what());
-  }
-  return static_cast<int>(ErrorKind::failure);
+  return run_and_tell("raylab-bench", [&] {
+    try {
+      return run(argc, argv);
+    } catch (const Interrupted&) {
+      std::fprintf(stderr, "raylab-bench: interrupted; what was measured is written\n");
+      return kInterrupted;
+    }
+  });
 }
 
 }  // namespace raylab

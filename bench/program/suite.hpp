@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "interrupt.hpp"
-#include "progress.hpp"
 #include "raylab/accel/accelerator.hpp"
+#include "raylab/core/interrupt.hpp"
+#include "raylab/core/progress.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "raylab/measure/results.hpp"
 #include "raylab/measure/statistics.hpp"

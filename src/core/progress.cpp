@@ -1,4 +1,4 @@
-#include "progress.hpp"
+#include "raylab/core/progress.hpp"
 
 #include <unistd.h>
 
@@ -16,15 +16,25 @@ constexpr int kBarWidth = 40;
 
 Progress::Progress(ProgressKind kind) {
   switch (kind) {
-    case ProgressKind::automatic: style_ = isatty(STDERR_FILENO) ? Style::bar : Style::lines; break;
-    case ProgressKind::lines: style_ = Style::lines; break;
-    case ProgressKind::json: style_ = Style::json; break;
-    case ProgressKind::none: style_ = Style::none; break;
+    case ProgressKind::automatic:
+      style_ = isatty(STDERR_FILENO) ? Style::bar : Style::lines;
+      break;
+    case ProgressKind::lines:
+      style_ = Style::lines;
+      break;
+    case ProgressKind::json:
+      style_ = Style::json;
+      break;
+    case ProgressKind::none:
+      style_ = Style::none;
+      break;
   }
 }
 
 void Progress::update(double fraction) {
-  const double interval = style_ == Style::bar ? kBarSeconds : style_ == Style::lines ? kLineSeconds : kJsonSeconds;
+  const double interval = style_ == Style::bar     ? kBarSeconds
+                          : style_ == Style::lines ? kLineSeconds
+                                                   : kJsonSeconds;
   if (style_ == Style::none || watch_.seconds() - last_ < interval) return;
   last_ = watch_.seconds();
   print(fraction);
@@ -41,9 +51,11 @@ void Progress::print(double fraction) {
   if (style_ == Style::bar) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
-    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed, left);
+    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed,
+                 left);
   } else if (style_ == Style::json) {
-    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed, left);
+    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed,
+                 left);
   } else {
     std::fprintf(stderr, "%5.1f%% after %.0f s, about %.0f s left\n", 100.0 * fraction, elapsed, left);
   }

@@ -1,4 +1,4 @@
-#include "interrupt.hpp"
+#include "raylab/core/interrupt.hpp"
 
 #include <unistd.h>
 
