@@ -1,30 +1,14 @@
 // The comparison itself: it must find faults that are planted, and excuse what floats cannot decide.
 #include "catch.hpp"
+#include "changed_answers.hpp"
 #include "raylab/measure/agreement.hpp"
 #include "raylab/measure/ray_sets.hpp"
 #include "raylab/measure/shapes.hpp"
 
 using namespace raylab;
+using raylab::test::ChangedAnswers;
 
 namespace {
-
-/// Answers with what a function makes of the true answer.
-class Liar final : public Accelerator {
- public:
-  using Lie = std::function<std::optional<Hit>(const Ray&, std::optional<Hit>)>;
-  Liar(const Accelerator& honest, Lie lie, bool occluded_always = false)
-      : honest_(honest), lie_(std::move(lie)), occluded_always_(occluded_always) {}
-  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
-    return lie_(ray, honest_.intersect(ray));
-  }
-  bool occluded(const Ray& ray) const noexcept override { return occluded_always_ || intersect(ray).has_value(); }
-  const BuildReport& build_report() const noexcept override { return honest_.build_report(); }
-
- private:
-  const Accelerator& honest_;
-  Lie lie_;
-  bool occluded_always_;
-};
 
 /// One triangle across the z axis at z = 4.
 Geometry one_triangle() {
@@ -42,14 +26,14 @@ TEST_CASE("planted misses, hits, wrong distances and wrong occlusion are each fo
   const std::vector<Ray> rays = {kPast, kThrough, kThrough};
 
   const auto miss = [](const Ray&, const std::optional<Hit>&) { return std::optional<Hit>(); };
-  AgreementReport report = compare_hits(Liar(*judge, miss), *judge, geometry, rays);
+  AgreementReport report = compare_hits(ChangedAnswers(*judge, miss), *judge, geometry, rays);
   CHECK(report.false_misses.count == 2);
   CHECK(report.false_hits.count + report.wrong_primitives.count + report.occlusion.count == 0);
   CHECK(report.hits == 2);
   CHECK(report.false_misses.first->ray.origin == kThrough.origin);
 
   const auto hit = [](const Ray&, const std::optional<Hit>&) { return std::optional(Hit{4, 0, 0, 0, 0}); };
-  report = compare_hits(Liar(*judge, hit), *judge, geometry, rays);
+  report = compare_hits(ChangedAnswers(*judge, hit), *judge, geometry, rays);
   CHECK(report.false_hits.count == 1);
   CHECK(report.false_misses.count + report.wrong_primitives.count == 0);
 
@@ -59,10 +43,10 @@ TEST_CASE("planted misses, hits, wrong distances and wrong occlusion are each fo
       return h;
     };
   };
-  report = compare_hits(Liar(*judge, shift(9)), *judge, geometry, rays);
+  report = compare_hits(ChangedAnswers(*judge, shift(9)), *judge, geometry, rays);
   CHECK(report.wrong_primitives.count == 2);
   CHECK(report.t_error_ulp.max == 9.0);
-  report = compare_hits(Liar(*judge, shift(8)), *judge, geometry, rays);
+  report = compare_hits(ChangedAnswers(*judge, shift(8)), *judge, geometry, rays);
   CHECK(report.agrees());
   CHECK(report.t_error_ulp.p50 == 8.0);
 
@@ -70,11 +54,11 @@ TEST_CASE("planted misses, hits, wrong distances and wrong occlusion are each fo
     if (h) h->geometry = 1;  // the spheres, of which there are none
     return h;
   };
-  report = compare_hits(Liar(*judge, rename), *judge, geometry, rays);
+  report = compare_hits(ChangedAnswers(*judge, rename), *judge, geometry, rays);
   CHECK(report.wrong_primitives.count == 2);
 
   const auto truth = [](const Ray&, std::optional<Hit> h) { return h; };
-  report = compare_hits(Liar(*judge, truth, true), *judge, geometry, rays);
+  report = compare_hits(ChangedAnswers(*judge, truth, true), *judge, geometry, rays);
   CHECK(report.occlusion.count == 1);
   CHECK_FALSE(report.agrees());
   CHECK(compare_hits(*judge, *judge, geometry, rays).agrees());
@@ -87,7 +71,7 @@ TEST_CASE("of two triangles that coincide either may be named, but no third", "[
     geometry.meshes[0].positions.push_back(geometry.meshes[0].positions[k] + vec3(0, 0, 1));
   const auto judge = make_accelerator("list", geometry);
   for (const std::uint32_t named : {0u, 1u, 2u}) {
-    const Liar tested(*judge, [named](const Ray&, std::optional<Hit> h) {
+    const ChangedAnswers tested(*judge, [named](const Ray&, std::optional<Hit> h) {
       if (h) h->primitive = named;
       return h;
     });
@@ -99,7 +83,7 @@ TEST_CASE("what happens within 8 ulp of an outline or an end of the interval is 
   const Geometry geometry{one_triangle().meshes, {{{20, 0, 4}, 2}}};
   const auto judge = make_accelerator("list", geometry);
   const auto miss = [](const Ray&, const std::optional<Hit>&) { return std::optional<Hit>(); };
-  const Liar tested(*judge, miss);
+  const ChangedAnswers tested(*judge, miss);
   const auto undecided = [&](const Ray& ray) {
     REQUIRE(judge->intersect(ray));
     const AgreementReport report = compare_hits(tested, *judge, geometry, std::span(&ray, 1));

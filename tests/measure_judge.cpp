@@ -2,30 +2,16 @@
 #include <array>
 
 #include "catch.hpp"
+#include "changed_answers.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/judge.hpp"
 #include "raylab/measure/ray_sets.hpp"
 #include "raylab/measure/shapes.hpp"
 
 using namespace raylab;
+using raylab::test::ChangedAnswers;
 
 namespace {
-
-/// Answers with what a function makes of the exact answer.
-class Mutant final : public Accelerator {
- public:
-  using Change = std::function<std::optional<Hit>(const Ray&, const std::optional<Hit>&)>;
-  Mutant(const Accelerator& original, Change change) : original_(original), change_(std::move(change)) {}
-  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
-    return change_(ray, original_.intersect(ray));
-  }
-  bool occluded(const Ray& ray) const noexcept override { return intersect(ray).has_value(); }
-  const BuildReport& build_report() const noexcept override { return original_.build_report(); }
-
- private:
-  const Accelerator& original_;
-  Change change_;
-};
 
 /// A closed ball, and rays from its centre through the middle of each triangle that meet it between t = 1 and 2.
 /// Their t_max, which nothing reaches, tells them apart: 1000 and their number.
@@ -41,13 +27,13 @@ struct Bench {
     }
   }
 
-  HitErrors judge(Mutant::Change change, Surface surface = Surface::closed) const {
-    return judge_hits(geometry, Mutant(*exact, std::move(change)), *exact, rays, surface);
+  HitErrors judge(ChangedAnswers::Change change, Surface surface = Surface::closed) const {
+    return judge_hits(geometry, ChangedAnswers(*exact, std::move(change)), *exact, rays, surface);
   }
 };
 
 /// Changes the answers to one ray in `period`.
-Mutant::Change one_in(int period, Mutant::Change change) {
+ChangedAnswers::Change one_in(int period, ChangedAnswers::Change change) {
   return [=](const Ray& ray, const std::optional<Hit>& hit) {
     return static_cast<int>(ray.t_max) % period == 0 ? change(ray, hit) : hit;
   };
@@ -55,7 +41,7 @@ Mutant::Change one_in(int period, Mutant::Change change) {
 
 const auto kDrop = [](const Ray&, const std::optional<Hit>&) { return std::optional<Hit>(); };
 
-Mutant::Change shift(int ulps) {
+ChangedAnswers::Change shift(int ulps) {
   return [ulps](const Ray&, std::optional<Hit> hit) {
     for (int i = 0; hit && i < ulps; ++i) hit->t = next_float_up(hit->t);
     return hit;
@@ -210,12 +196,12 @@ TEST_CASE("a ray lost that starts as near to the wall as floats can tell is a le
     bench.rays.push_back({vec3(0.25f * s, 0.25f * s, 0x1p-105f), vec3(0, 0, -length)});
   }
   int not_finite = 0;
-  const Mutant watched(*bench.exact, [&](const Ray& ray, const std::optional<Hit>& hit) {
+  const ChangedAnswers watched(*bench.exact, [&](const Ray& ray, const std::optional<Hit>& hit) {
     not_finite += !is_finite(ray.direction);
     return hit;
   });
   const HitErrors errors =
-      judge_hits(bench.geometry, Mutant(*bench.exact, kDrop), watched, bench.rays, Surface::closed);
+      judge_hits(bench.geometry, ChangedAnswers(*bench.exact, kDrop), watched, bench.rays, Surface::closed);
   CHECK(errors.leaks.count == 3);
   CHECK(not_finite == 0);
 }

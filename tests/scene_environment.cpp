@@ -50,10 +50,7 @@ std::vector<Sky> skies() {
 TEST_CASE("directions and picture positions are each other's inverse", "[unit][environment]") {
   double worst = 0.0;
   for (std::uint64_t i = 0; i < 20000; ++i) {
-    const vec2 u = random_point(i);
-    const float z = 1.0f - 2.0f * u.x;
-    const float r = std::sqrt(1.0f - z * z);
-    const vec3 d = glm::normalize(vec3(r * std::cos(2 * kPi * u.y), z, r * std::sin(2 * kPi * u.y)));
+    const vec3 d = uniform_sphere(random_point(i));
     const vec2 uv = direction_to_latlong(d);
     REQUIRE((uv.x >= 0.0f && uv.x <= 1.0f && uv.y >= 0.0f && uv.y <= 1.0f));
     worst = std::max(worst, static_cast<double>(glm::length(latlong_to_direction(uv) - d)));

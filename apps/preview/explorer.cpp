@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -18,11 +18,7 @@ constexpr double kFocusRate = 0.7;          // a second, of the logarithm of the
 constexpr double kApertureRate = 1.0;       // the same of the defocus angle
 constexpr double kLeastAperture = 0.02;     // degrees: below, the lens closes to a pinhole
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  return text;
-}
+std::string number(double value) { return format("%.5g", value); }
 
 }  // namespace
 

@@ -60,14 +60,14 @@ Image read_framebuffer(int width, int height) {
   std::vector<unsigned char> bytes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
-  float linear[256];
-  for (int i = 0; i < 256; ++i) linear[i] = srgb_to_linear(static_cast<float>(i) / 255.0f);
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
     // OpenGL counts rows from below.
     const unsigned char* row =
         &bytes[static_cast<std::size_t>(height - 1 - y) * static_cast<std::size_t>(width) * 3];
-    for (int x = 0; x < width; ++x, row += 3) image.at(x, y) = Rgb(linear[row[0]], linear[row[1]], linear[row[2]]);
+    for (int x = 0; x < width; ++x, row += 3) {
+      image.at(x, y) = Rgb(srgb_byte_to_linear(row[0]), srgb_byte_to_linear(row[1]), srgb_byte_to_linear(row[2]));
+    }
   }
   return image;
 }

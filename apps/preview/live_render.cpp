@@ -68,8 +68,7 @@ std::vector<std::uint8_t> encode_srgb(const Image& image) {
   parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       for (int c = 0; c < 3; ++c) {
-        bytes[3 * i + static_cast<std::size_t>(c)] =
-            static_cast<std::uint8_t>(255.0f * linear_to_srgb(image.pixels[i][c]) + 0.5f);
+        bytes[3 * i + static_cast<std::size_t>(c)] = linear_to_srgb_byte(image.pixels[i][c]);
       }
     }
   });

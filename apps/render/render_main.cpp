@@ -1,6 +1,7 @@
 #include "raylab/apps/render_main.hpp"
 
 #include <algorithm>
+#include <cinttypes>
 #include <cstdio>
 #include <filesystem>
 
@@ -11,6 +12,7 @@
 #include "raylab/core/interrupt.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/progress.hpp"
+#include "raylab/core/text.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/render/features.hpp"
 #include "report.hpp"
@@ -68,10 +70,8 @@ std::vector<Layer> make_layers(const RenderCommand& command, const Scene& scene,
 }
 
 Attributes make_attributes(const RenderReport& r) {
-  char hash[24];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.loaded.hash));
   return {{"raylab.command", r.command.command_line},
-          {"raylab.sceneHash", hash},
+          {"raylab.sceneHash", format("%016" PRIx64, r.loaded.hash)},
           {"raylab.seed", std::to_string(r.options.seed)},
           {"raylab.firstSample", std::to_string(r.options.first_sample)},
           {"raylab.samplesPerPixel", std::to_string(r.options.samples_per_pixel)},

@@ -1,24 +1,14 @@
 #include "report.hpp"
 
 #include <cinttypes>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "raylab/core/parallel.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  std::va_list args;
-  va_start(args, pattern);
-  char buffer[1024];
-  std::vsnprintf(buffer, sizeof buffer, pattern, args);
-  va_end(args);
-  return buffer;
-}
 
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / (1024.0 * 1024.0); }
 

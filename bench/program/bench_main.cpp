@@ -6,7 +6,6 @@
 
 #include "commands.hpp"
 #include "raylab/apps/program.hpp"
-#include "raylab/core/error.hpp"
 #include "suite.hpp"
 
 namespace raylab {

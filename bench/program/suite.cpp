@@ -1,7 +1,6 @@
 #include "suite.hpp"
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 
 #include "raylab/core/parallel.hpp"
@@ -140,14 +139,5 @@ void add_fields(Row& row, const Variant& variant, const Geometry& geometry, cons
 }
 
 Row to_row(const Spread& spread) { return {{"median", spread.median}, {"min", spread.min}, {"max", spread.max}}; }
-
-std::string format(const char* pattern, ...) {
-  std::va_list args;
-  va_start(args, pattern);
-  char buffer[1024];
-  std::vsnprintf(buffer, sizeof buffer, pattern, args);
-  va_end(args);
-  return buffer;
-}
 
 }  // namespace raylab::bench

@@ -10,6 +10,7 @@
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/interrupt.hpp"
 #include "raylab/core/progress.hpp"
+#include "raylab/core/text.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "raylab/measure/results.hpp"
 #include "raylab/measure/statistics.hpp"
@@ -91,7 +92,5 @@ std::string variant_name(const Row& row);
 void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built);
 
 Row to_row(const Spread& spread);
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...);
 
 }  // namespace raylab::bench

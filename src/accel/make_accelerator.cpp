@@ -1,10 +1,10 @@
 // The table of accelerators by name.
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "backends.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -43,31 +43,13 @@ std::vector<AcceleratorEntry>& table() {
   return entries;
 }
 
-/// Levenshtein distance: insertions, deletions and substitutions that turn one into the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
-
 [[noreturn]] void throw_unknown(const char* option, std::string_view found,
                                 const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(found, a) < edit_distance(found, b);
-  });
   throw Error(ErrorKind::usage, option,
               "no such choice '" + std::string(found) + "'; expected one of " + list + ". Did you mean '" +
-                  *nearest + "'?");
+                  nearest_name(found, names) + "'?");
 }
 
 template <class Choice>

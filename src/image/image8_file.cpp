@@ -41,9 +41,7 @@ void write_png(const fs::path& file, const Image& image) {
   std::vector<std::uint8_t> encoded;
   encoded.reserve(3 * image.pixels.size());
   for (const Rgb& pixel : image.pixels) {
-    for (int c = 0; c < 3; ++c) {
-      encoded.push_back(static_cast<std::uint8_t>(255.0f * linear_to_srgb(pixel[c]) + 0.5f));
-    }
+    for (int c = 0; c < 3; ++c) encoded.push_back(linear_to_srgb_byte(pixel[c]));
   }
   AtomicFile output(file);
   if (stbi_write_png_to_func(append, &output.stream(), image.width, image.height, 3, encoded.data(),

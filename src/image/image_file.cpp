@@ -13,13 +13,13 @@ namespace raylab {
 
 namespace fs = std::filesystem;
 
-namespace {
-
 std::string lowercase_ending(const fs::path& file) {
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ending;
 }
+
+namespace {
 
 enum class Format { exr, png };
 
@@ -76,11 +76,11 @@ void check_writable_image(const fs::path& file) {
 Image read_image(const fs::path& file) {
   if (detail::is_exr(file)) return read_exr(file);
   const Image8 encoded = read_image8(file);
-  std::array<float, 256> linear{};
-  for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = srgb_to_linear(static_cast<float>(i) / 255.0f);
   Image image(encoded.width, encoded.height);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    for (int c = 0; c < 3; ++c) image.pixels[i][c] = linear[encoded.rgb[3 * i + static_cast<std::size_t>(c)]];
+    for (int c = 0; c < 3; ++c) {
+      image.pixels[i][c] = srgb_byte_to_linear(encoded.rgb[3 * i + static_cast<std::size_t>(c)]);
+    }
   }
   return image;
 }

@@ -18,12 +18,6 @@ std::string color_text(const Rgb& color);
 /// In double quotes, on one line; long texts are cut.
 std::string in_quotes(std::string_view text);
 
-/// Least number of insertions, deletions and substitutions of characters that turn a into b (Levenshtein).
-std::size_t edit_distance(std::string_view a, std::string_view b);
-
-/// The candidate with the smallest edit distance, the first of equals; empty when there are none.
-std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
-
 /// `: the nearest known KIND is "NAME"`, or nothing when there are no candidates.
 std::string nearest_hint(std::string_view name, std::span<const std::string> candidates, std::string_view kind);
 

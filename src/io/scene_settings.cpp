@@ -3,6 +3,7 @@
 #include <initializer_list>
 
 #include "file_bytes.hpp"
+#include "raylab/image/image_file.hpp"
 #include "scene_sections.hpp"
 #include "texture_files.hpp"
 #include "toml_reader.hpp"
@@ -98,7 +99,7 @@ Environment read_background(const TomlValue* table, const std::filesystem::path&
   if (image != nullptr) {
     const std::string name = string_of(*image, "background.image");
     const std::filesystem::path file = folder / name;
-    if (!is_exr(file)) image->fail("background.image", "the name of an EXR file");
+    if (lowercase_ending(file) != ".exr") image->fail("background.image", "the name of an EXR file");
     if (!is_file(file)) image->fail("background.image", "an existing file");
     environment.kind = Environment::Kind::image;
     environment.picture = read_texture(file, name);

@@ -1,8 +1,6 @@
 #include "texture_files.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <utility>
 
 #include "message_text.hpp"
@@ -11,17 +9,6 @@
 
 namespace raylab {
 namespace {
-
-std::vector<Rgb> decoded_srgb(const Image8& image) {
-  std::array<float, 256> linear{};
-  for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = srgb_to_linear(static_cast<float>(i) / 255.0f);
-  std::vector<Rgb> texels(image.rgb.size() / 3);
-  for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::uint8_t* rgb = &image.rgb[3 * i];
-    texels[i] = Rgb(linear[rgb[0]], linear[rgb[1]], linear[rgb[2]]);
-  }
-  return texels;
-}
 
 /// Pictures of light may hold what is no light: such a texel would spoil every path that meets it.
 void check_texels(const TextureImage& image, const std::filesystem::path& file) {
@@ -37,27 +24,14 @@ void check_texels(const TextureImage& image, const std::filesystem::path& file) 
 
 }  // namespace
 
-bool is_exr(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".exr";
-}
-
 TextureImage read_texture(const std::filesystem::path& file, const std::string& name) {
   TextureImage texture;
   texture.name = name;
-  if (is_exr(file)) {
-    Image image = read_exr(file);
-    texture.width = image.width;
-    texture.height = image.height;
-    texture.texels = std::move(image.pixels);
-    check_texels(texture, file);
-  } else {
-    const Image8 image = read_image8(file);
-    texture.width = image.width;
-    texture.height = image.height;
-    texture.texels = decoded_srgb(image);
-  }
+  Image image = read_image(file);
+  texture.width = image.width;
+  texture.height = image.height;
+  texture.texels = std::move(image.pixels);
+  check_texels(texture, file);
   dvec3 sum(0.0);
   for (const Rgb& texel : texture.texels) sum += dvec3(texel);
   texture.mean = Rgb(sum / static_cast<double>(std::max<std::size_t>(texture.texels.size(), 1)));

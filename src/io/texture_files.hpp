@@ -35,7 +35,4 @@ TextureImage read_texture(const std::filesystem::path& file, const std::string& 
 /// light out of nothing.
 void check_albedo(const TextureImage& image, const std::string& place);
 
-/// Whether a file's name ends in .exr, in any case.
-bool is_exr(const std::filesystem::path& file);
-
 }  // namespace raylab

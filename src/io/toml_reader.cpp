@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "message_text.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 

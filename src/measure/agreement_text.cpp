@@ -1,21 +1,10 @@
 // Agreement reports for people, with the floats exact.
-#include <cstdarg>
-#include <cstdio>
-
+#include "raylab/core/text.hpp"
 #include "raylab/measure/agreement.hpp"
 
 namespace raylab {
 
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char buffer[512];
-  std::va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 std::string to_string(const std::optional<Hit>& hit) {
   if (!hit) return "nothing";

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,8 @@ struct Image {
 /// The exact sRGB transfer curve (IEC 61966-2-1). Input and output in [0, 1]; input is clamped, NaN gives 0.
 float linear_to_srgb(float linear);
 float srgb_to_linear(float encoded);
+/// The same of bytes, as 8-bit pictures hold them.
+std::uint8_t linear_to_srgb_byte(float linear);
+float srgb_byte_to_linear(std::uint8_t encoded);
 
 }  // namespace raylab

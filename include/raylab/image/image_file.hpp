@@ -29,6 +29,9 @@ void write_exr(const std::filesystem::path& file, const Image& image, const std:
 /// Writes an 8-bit PNG with the sRGB curve, rounding to nearest. Beside and renamed. Throws Error (output).
 void write_png(const std::filesystem::path& file, const Image& image);
 
+/// The ending of the file's name in lower case, dot included: ".exr"; empty where it has none.
+std::string lowercase_ending(const std::filesystem::path& file);
+
 /// By the file's ending, .exr or .png, any case; layers and attributes go to EXR only. Throws Error (usage) for
 /// another ending.
 void write_image(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
