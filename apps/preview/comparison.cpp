@@ -31,17 +31,17 @@ Verdict judge(const std::optional<Hit>& a, const std::optional<Hit>& b) {
 
 }  // namespace
 
-std::string Disagreement::text() const {
+std::string RayComparison::text() const {
   const auto part = [](std::uint64_t count, const char* what) { return std::to_string(count) + " " + what; };
   return "of " + std::to_string(rays) + " camera rays: " + part(presence, "hit or miss (red), ") +
          part(distance, "distance (orange), ") + part(primitive, "primitive (yellow), ") +
          part(last_bits, "last bits (blue)");
 }
 
-Disagreement disagreement(const Accelerator& a, const Accelerator& b, const CameraSettings& settings, int width,
-                          int height) {
+RayComparison compare_rays(const Accelerator& a, const Accelerator& b, const CameraSettings& settings, int width,
+                           int height) {
   const Camera camera(settings, width, height);
-  Disagreement result;
+  RayComparison result;
   result.picture = Image(width, height);
   result.rays = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   std::array<std::atomic<std::uint64_t>, kColors.size()> counts{};

@@ -9,7 +9,7 @@
 namespace raylab {
 
 /// How the camera rays of a picture, one through the middle of each pixel, fare in two accelerators.
-struct Disagreement {
+struct RayComparison {
   Image picture;  ///< linear: dark grey where both say the same, else the colours of `legend`
   std::uint64_t rays = 0;
   std::uint64_t presence = 0;   ///< one hits and the other does not: red
@@ -20,7 +20,7 @@ struct Disagreement {
   std::string text() const;  ///< one line
 };
 
-Disagreement disagreement(const Accelerator& a, const Accelerator& b, const CameraSettings& camera, int width,
-                          int height);
+RayComparison compare_rays(const Accelerator& a, const Accelerator& b, const CameraSettings& camera, int width,
+                           int height);
 
 }  // namespace raylab

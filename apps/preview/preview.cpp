@@ -186,8 +186,8 @@ void Preview::update_comparison() {
     ComparedPicture made;
     Image image(1, 1);
     if (kind == Compare::disagreement && left != nullptr && right != nullptr) {
-      Disagreement d =
-          disagreement(*left, *right, request.options.camera, request.options.width, request.options.height);
+      RayComparison d =
+          compare_rays(*left, *right, request.options.camera, request.options.width, request.options.height);
       made.text = d.text();
       image = std::move(d.picture);
     } else if (kind == Compare::difference && a->image.width == b->image.width &&

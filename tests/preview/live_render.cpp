@@ -202,7 +202,7 @@ TEST_CASE("two live renders share a scene", "[unit][preview]") {
   CHECK((a.latest()->image.pixels == b.latest()->image.pixels));
 }
 
-TEST_CASE("disagreement counts what two accelerators say of the camera rays", "[unit][preview]") {
+TEST_CASE("a comparison counts what two accelerators say of the camera rays", "[unit][preview]") {
   struct Blind : Accelerator {  // misses everything
     std::optional<Hit> intersect(const Ray&) const noexcept override { return std::nullopt; }
     bool occluded(const Ray&) const noexcept override { return false; }
@@ -212,10 +212,10 @@ TEST_CASE("disagreement counts what two accelerators say of the camera rays", "[
   Cornell cornell;
   const Accelerator& bvh = cornell.shelf.get("bvh");
   const CameraSettings& camera = cornell.loaded.camera;
-  const Disagreement none = disagreement(bvh, cornell.shelf.get("list"), camera, 50, 40);
+  const RayComparison none = compare_rays(bvh, cornell.shelf.get("list"), camera, 50, 40);
   CHECK(none.rays == 2000);
   CHECK(none.presence + none.distance + none.primitive + none.last_bits == 0);
-  const Disagreement all = disagreement(bvh, Blind(), camera, 50, 50);
+  const RayComparison all = compare_rays(bvh, Blind(), camera, 50, 50);
   CHECK(all.presence > 2000);
   CHECK(all.presence < 2500);  // the box does not fill the picture
   CHECK(all.picture.at(25, 25) == Rgb(1.0f, 0.0f, 0.0f));
