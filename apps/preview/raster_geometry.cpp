@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <unordered_map>
@@ -56,15 +57,16 @@ void add_mesh(const Scene& scene, std::uint32_t id, RasterGeometry& out, ByMater
   }
 }
 
-/// For each vertex the first one in its grid cell.
-std::vector<std::uint32_t> clusters(const std::vector<RasterVertex>& vertices, float cell) {
+/// For each vertex of a mesh, whose vertices are those from `begin` on, the first one of the mesh in its grid
+/// cell.
+std::vector<std::uint32_t> clusters(const std::vector<RasterVertex>& vertices, std::uint32_t begin, float cell) {
   std::unordered_map<Corners, std::uint32_t, CornersHash> first;
   std::vector<std::uint32_t> of(vertices.size());
-  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+  for (std::uint32_t i = begin; i < vertices.size(); ++i) {
     Corners key;
-    for (int k = 0; k < 3; ++k) {
-      key[k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(vertices[i].position[k] / cell)));
-    }
+    // The bits of the number, since it may be more than an integer can hold, or none; those of -0 are those of 0.
+    for (int k = 0; k < 3; ++k)
+      key[k] = std::bit_cast<std::uint32_t>(std::floor(vertices[i].position[k] / cell) + 0.0f);
     of[i] = first.try_emplace(key, i).first->second;
   }
   return of;
@@ -117,13 +119,14 @@ RasterGeometry raster_geometry(const Scene& scene, std::size_t most_coarse) {
   ByMaterial all;
   for (std::uint32_t id = 0; id < scene.geometry.meshes.size(); ++id) {
     ByMaterial triangles;
+    const auto begin = static_cast<std::uint32_t>(out.vertices.size());
     add_mesh(scene, id, out, triangles);
     std::size_t count = 0;
     for (const auto& [material, list] : triangles) count += list.size();
     // Small meshes beside a large one, such as a plinth, cost little and would suffer most.
     const bool large = simplify && count > most_coarse / 8;
     std::vector<std::uint32_t> cluster;
-    if (large) cluster = clusters(out.vertices, cell_for(out.vertices, triangles, most_coarse));
+    if (large) cluster = clusters(out.vertices, begin, cell_for(out.vertices, triangles, most_coarse));
     for (auto& [material, list] : triangles) {
       coarse.emplace_back(material, large ? clustered(list, cluster) : list);
       auto& whole = all[material];

@@ -316,4 +316,21 @@ TEST_CASE("while moving, large meshes are drawn with fewer triangles over the sa
   }
   CHECK(area > 0.85);  // of the square: no holes, nothing twice
   CHECK(area < 1.001);
+
+  // The same once more as another mesh, and one of no area: each keeps to its own vertices.
+  scene.geometry.meshes.push_back(grid);
+  for (vec3& p : grid.positions) p = vec3(p.x, 0.0f, 0.0f);
+  scene.geometry.meshes.push_back(grid);
+  scene.mesh_materials = {{0, {}}, {1, {}}, {2, {}}};
+  const RasterGeometry three = raster_geometry(scene, 1000);
+  REQUIRE(three.coarse.size() == 3);
+  CHECK(three.coarse[1].count == three.coarse[0].count);
+  CHECK(three.coarse[2].count == 0);
+  int foreign = 0;
+  for (const RasterDraw& draw : three.coarse) {
+    for (std::uint32_t i = draw.first; i < draw.first + draw.count; ++i) {
+      foreign += three.indices[i] / ((n + 1) * (n + 1)) != draw.material;
+    }
+  }
+  CHECK(foreign == 0);
 }
