@@ -138,6 +138,8 @@ TEST_CASE("a reference of another size is refused by name", "[cli][bench]") {
                                            "--out",           folder.path().string()};
   REQUIRE(raylab_bench(arguments).exit_code == 0);
   const fs::path file = *fs::directory_iterator(folder / "references");
+  // Named by all that makes it, so that none is taken for another.
+  CHECK(file.string().find("-8x8-7segments-path-sobol-1spp-seed471") != std::string::npos);
   write_exr(file, Image(4, 2));
   expect_failure(arguments, 3, file.string() + ": the reference has 4 x 2 pixels, expected 8 x 8");
 }

@@ -1,10 +1,12 @@
 #include "rendering.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/random.hpp"
 #include "raylab/core/timing.hpp"
 #include "raylab/image/image_file.hpp"
 
@@ -33,6 +35,19 @@ Image cached_picture(Suite& suite, const Scene& scene, const Accelerator& accele
   Image image = render_once(suite, scene, accelerator, options).image;
   write_exr(file, image);
   return image;
+}
+
+/// Of the picture's first samples, bit by bit: another for all that changes pictures, the program's code too.
+std::uint64_t hash_of_start(const Scene& scene, const Accelerator& accelerator, RenderOptions options) {
+  options.samples_per_pixel = 1;
+  RenderSession session(scene, accelerator, options);
+  session.run();
+  std::uint64_t hash = 0;
+  for (const Rgb& pixel : session.snapshot().image().pixels) {
+    for (int c = 0; c < 3; ++c)
+      hash = mix_bits((hash + 0x9e3779b97f4a7c15ull) ^ std::bit_cast<std::uint32_t>(pixel[c]));
+  }
+  return hash;
 }
 
 }  // namespace
@@ -74,9 +89,12 @@ Reference reference_of(Suite& suite, const LoadedScene& loaded, const Accelerato
     RenderOptions o = options;
     o.seed = kReferenceSeed + half;
     o.samples_per_pixel = static_cast<std::uint32_t>(std::max(1, spp / 2));
-    const std::string name = format("%s-%016llx-%dx%d-%dsegments-%uspp-seed%u.exr", loaded.scene.name.c_str(),
-                                    static_cast<unsigned long long>(loaded.hash), o.width, o.height,
-                                    o.integrator.max_depth, o.samples_per_pixel, o.seed);
+    const std::string name =
+        format("%s-%016llx-%dx%d-%dsegments-%s-%s-%uspp-seed%u-%s-%016llx.exr", loaded.scene.name.c_str(),
+               static_cast<unsigned long long>(loaded.hash), o.width, o.height, o.integrator.max_depth,
+               std::string(integrator_name(o.integrator.kind)).c_str(),
+               std::string(sampler_name(o.sampler)).c_str(), o.samples_per_pixel, o.seed, RAYLAB_VERSION,
+               static_cast<unsigned long long>(hash_of_start(loaded.scene, accelerator, o)));
     halves.push_back(cached_picture(suite, loaded.scene, accelerator, o, cache / name));
   }
   return make_reference(halves[0], halves[1]);
