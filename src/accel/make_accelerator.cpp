@@ -1,6 +1,7 @@
 // The table of accelerators by name.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "backends.hpp"
 #include "raylab/core/error.hpp"
@@ -41,6 +42,17 @@ std::vector<AcceleratorEntry>& table() {
        {.judges_options = false, .is_exact = true}},
   };
   return entries;
+}
+
+/// What is wrong with the registrations, to be told to the first who asks for accelerators: they are made before
+/// main begins, where an exception would end the process without a word.
+std::string& name_clash() {
+  static std::string clash;
+  return clash;
+}
+void check_names() {
+  if (name_clash().empty()) return;
+  throw Error(ErrorKind::usage, std::exchange(name_clash(), {}), "the name is already taken");
 }
 
 [[noreturn]] void throw_unknown(const char* option, std::string_view found,
@@ -86,9 +98,13 @@ Choice parse(const char* option, std::string_view name, const std::array<Named<C
 
 }  // namespace
 
-std::span<const AcceleratorEntry> accelerators() { return table(); }
+std::span<const AcceleratorEntry> accelerators() {
+  check_names();
+  return table();
+}
 
 const AcceleratorEntry& find_accelerator(std::string_view name) {
+  check_names();
   std::vector<std::string> names;
   for (const AcceleratorEntry& entry : table()) {
     if (entry.name == name) return entry;
@@ -133,7 +149,8 @@ std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geome
 RegisterAccelerator::RegisterAccelerator(AcceleratorEntry entry) {
   for (const AcceleratorEntry& known : table()) {
     if (known.name == entry.name) {
-      throw Error(ErrorKind::usage, "accelerator '" + entry.name + "'", "the name is already taken");
+      name_clash() = "accelerator '" + entry.name + "'";
+      return;
     }
   }
   table().push_back(std::move(entry));

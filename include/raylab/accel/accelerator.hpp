@@ -153,7 +153,8 @@ std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geome
 /// Adds an accelerator of one's own: a namespace-scope object in its source file is all it takes.
 ///   static const raylab::RegisterAccelerator registered{{"mine", "what it is", make_mine}};
 /// A fourth value says what it is capable of; raylab-bench measures it with each triangle test where it takes one.
-/// Throws Error (usage) when the name is taken.
+/// When the name is taken, it is left out, and the first call of accelerators() or make_accelerator() throws Error
+/// (usage).
 struct RegisterAccelerator {
   explicit RegisterAccelerator(AcceleratorEntry entry);
 };
