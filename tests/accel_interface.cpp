@@ -1,5 +1,6 @@
 // Accelerators by name: options, reports, registration.
 #include <atomic>
+#include <iostream>
 #include <thread>
 
 #include "catch.hpp"
@@ -108,6 +109,14 @@ TEST_CASE("a registered accelerator can be made by its name, and a name is taken
   CHECK_NOTHROW(register_again());
   CHECK(contains(usage_error([&] { make_accelerator("bvh", geometry); }), "'list'"));
   CHECK(accelerators().size() == count);
+}
+
+TEST_CASE("an accelerator is built without a hand on the program's standard output", "[unit]") {
+  std::cout.setstate(std::ios::failbit);  // to give it another buffer clears this
+  for (const char* name : {"embree", "embree-robust", "bvh"}) make_accelerator(name, {});
+  const bool untouched = std::cout.fail();
+  std::cout.clear();
+  CHECK(untouched);
 }
 
 TEST_CASE("build reports say what was built", "[unit]") {

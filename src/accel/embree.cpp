@@ -3,12 +3,9 @@
 // sphere of radius 1e6 by 13% of the distance.
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cfloat>
 #include <cmath>
-#include <iostream>
 #include <optional>
-#include <sstream>
 
 #include "backends.hpp"
 #include "embree_api.hpp"
@@ -119,34 +116,18 @@ bool count_bytes(void* total, ssize_t bytes, bool) {
   return true;
 }
 
-/// The best instruction set that both this machine and the installed Embree have, which is the one Embree uses.
-/// Embree tells it only in the text that a verbose device prints, so that is what is read, once.
-std::string read_isa() {
-  std::ostringstream text;
-  std::streambuf* const console = std::cout.rdbuf(text.rdbuf());
-  { const Device device(rtcNewDevice("verbose=1")); }
-  std::cout.rdbuf(console);
-
-  std::string line, supported, compiled;
-  for (std::istringstream lines(text.str()); std::getline(lines, line);) {
-    if (line.find("(supported)") != std::string::npos) supported = line;
-    if (line.find("(compile time enabled)") != std::string::npos) compiled = line;
-  }
-  std::string isa;
-  std::istringstream words(compiled);
-  for (std::string word; words >> word;) {  // from the oldest to the newest
-    if (supported.find(' ' + word + ' ') != std::string::npos) isa = word;
-  }
-#ifdef __aarch64__
-  isa = "NEON";  // Embree tells the set of x86 whose operations it has there in terms of NEON
+/// The instruction set that the device's traversal uses. Embree tells it in words on the process's standard output
+/// alone, but also which widths of packets are traced natively. AVX and AVX2 have the same, and an Embree that is
+/// compiled for the first and not for the second is taken for one that has both.
+std::string isa_of(int packet_size) {
+#if defined(__x86_64__)
+  if (packet_size == 16) return "avx512";
+  if (packet_size == 8) return __builtin_cpu_supports("avx2") != 0 ? "avx2" : "avx";
+  return __builtin_cpu_supports("sse4.2") != 0 ? "sse4.2" : "sse2";
+#else
+  static_cast<void>(packet_size);
+  return "neon";
 #endif
-  std::transform(isa.begin(), isa.end(), isa.begin(), [](unsigned char c) { return std::tolower(c); });
-  return isa;
-}
-
-const std::string& embree_isa() {
-  static const std::string isa = read_isa();
-  return isa;
 }
 
 /// Scenes with the robust or the compact flag are built by the surface area heuristic at high quality too: only
@@ -167,7 +148,6 @@ class Embree final : public Accelerator {
  public:
   Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust)
       : quality_(embree_quality(options.quality.value_or(BuildQuality::balanced))) {
-    report_.isa = embree_isa();
     const Stopwatch watch;
     // A device that is told of threads would keep all of TBB to that number as long as it lives.
     const ThreadLimit limit(options.threads);
@@ -175,6 +155,7 @@ class Embree final : public Accelerator {
     check_device();
     if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) packet_size_ = 8;
     if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) packet_size_ = 16;
+    report_.isa = isa_of(packet_size_);
     rtcSetDeviceMemoryMonitorFunction(device_.get(), count_bytes, &bytes_);
     scene_.reset(rtcNewScene(device_.get()));
     check_device();
