@@ -4,16 +4,17 @@
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/io/scene_file.hpp"
+#include "shipped_scenes.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
-namespace fs = std::filesystem;
 
 namespace {
 
 /// Pixels that differ in some bit between the reference and the wavefront, over all instruction sets here.
-void check_equal(const Scene& scene, RenderOptions options, const std::string& name) {
+void check_equal(const Scene& scene, const CameraSettings& camera, RenderOptions options, const std::string& name) {
+  options.camera = camera;
   const auto accelerator = make_accelerator("bvh", scene.geometry);
   const auto film_of = [&](IntegratorKind kind, std::optional<Isa> isa, RayCounts& rays) {
     options.integrator.kind = kind;
@@ -37,8 +38,8 @@ void check_equal(const Scene& scene, RenderOptions options, const std::string& n
 
 /// All that shading knows: each material, textures, bent normals, emitters of every kind, more than fit a LightTable,
 /// a picture for a sky, a lens.
-Scene scene_with_everything() {
-  Scene scene = lit_room();
+SeenScene scene_with_everything() {
+  SeenScene scene = lit_room();
   add_quad(scene, {-1, -0.99f, 0.4f}, {2, 0, 0}, {0, 0.1f, -0.3f},
            lambertian(picture(scene, 4, 4, [](int x, int y) { return Rgb(0.2f * x, 0.2f * y, 0.5f); })));
   add_quad(scene, {-0.9f, -0.5f, -0.9f}, {0.4f, 0, 0}, {0, 0.4f, 0}, metal(checker(0.1f, Rgb(0.9f), Rgb(0.2f)), 0.3f));
@@ -60,24 +61,21 @@ Scene scene_with_everything() {
 
 TEST_CASE("the reference integrator gives the wavefront's bits on every shipped scene", "[agreement][reference]") {
   for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest"}) {
-    const fs::path file = fs::path(RAYLAB_SOURCE_DIR) / "scenes" / (std::string(name) + ".toml");
-    const fs::path model = file.parent_path() / "models" / (std::string(name) + ".obj");
-    if ((std::string(name) == "dragon" || std::string(name) == "bunny") && !fs::exists(model)) {
-      WARN(name << " is left out: " << model.string() << " is not there (see scenes/fetch)");
-      continue;
-    }
-    const LoadedScene loaded = load_scene(file);
-    check_equal(loaded.scene, render_options(40, 30, 8, loaded.scene.render.max_depth), name);
+    const auto file = shipped_scene(name);
+    if (!file) continue;
+    const LoadedScene loaded = load_scene(*file);
+    check_equal(loaded.scene, loaded.camera, render_options(40, 30, 8, loaded.scene.render.max_depth), name);
   }
 }
 
 TEST_CASE("the reference integrator gives the wavefront's bits whatever a scene has", "[agreement][reference]") {
+  const SeenScene everything = scene_with_everything(), room = lit_room();
   RenderOptions options = render_options(40, 30, 24, 12);
-  check_equal(scene_with_everything(), options, "everything");
+  check_equal(everything, everything.camera, options, "everything");
   options.sampler = SamplerKind::independent;
   options.seed = 7;
-  check_equal(scene_with_everything(), options, "independent samples");
+  check_equal(everything, everything.camera, options, "independent samples");
   options.integrator.ray_offset = RayOffset::book;
-  check_equal(scene_with_everything(), options, "book offset");
-  check_equal(lit_room(), options, "few lights");
+  check_equal(everything, everything.camera, options, "book offset");
+  check_equal(room, room.camera, options, "few lights");
 }

@@ -85,9 +85,9 @@ TEST_CASE("every instruction set gives the same picture to the bit", "[unit][ses
 }
 
 TEST_CASE("an instruction set that the processor lacks is refused", "[unit][session]") {
-  const Scene scene = varied_scene();
+  const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options("sobol");
+  RenderOptions options = small_options(scene, "sobol");
   options.integrator.isa = static_cast<Isa>(200);  // of the real ones this processor may have all
   expect_error(ErrorKind::usage, "--isa", {"this processor has no"},
                [&] { RenderSession(scene, *accelerator, options); });

@@ -137,8 +137,8 @@ int render(const RenderCommand& command) {
                             accelerator->build_report(),
                             stats,
                             session.needs(),
-                            session.integrator().light_count(),
-                            session.integrator().light_bytes(),
+                            session.integrator().lights().count,
+                            session.integrator().lights().bytes,
                             load_seconds,
                             film.estimated_relmse(),
                             partial};

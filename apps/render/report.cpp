@@ -36,11 +36,11 @@ std::string check_text(const LoadedScene& loaded, double load_seconds) {
   text += "needs\n";
   const SceneNeeds needs = scene_needs(loaded.scene);
   for (const std::string& line : describe(needs)) text += line + "\n";
-  const Lights lights(loaded.scene, needs);
+  const LightStatistics lights = light_statistics(loaded.scene, needs);
   text += format(
       "bytes\n  %zu of geometry, material ids and pictures\n  %zu for the sampling of %zu lights\n"
       "  %zu of mesh attributes that no material reads were left out\n",
-      loaded.scene.bytes(), lights.bytes(), lights.count(), loaded.dropped_bytes);
+      loaded.scene.bytes(), lights.bytes, lights.count, loaded.dropped_bytes);
   return text;
 }
 

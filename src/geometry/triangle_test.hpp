@@ -102,11 +102,11 @@ struct ShearedRay {
 /// A vertex, of which the origin was taken away and the axes put in order, in the ray's space: the ray goes along the
 /// z axis, z in the units of the scene.
 template <class F>
-Vec3<F> sheared(const F& x, const F& y, const F& z, const F& shear_x, const F& shear_y) {
+[[gnu::always_inline]] inline Vec3<F> sheared(const F& x, const F& y, const F& z, const F& shear_x, const F& shear_y) {
   return {x - shear_x * z, y - shear_y * z, z};
 }
 template <class F>
-Vec3<F> to_ray_space(const ShearedRay<F>& ray, const Vec3<F>& from_origin) {
+[[gnu::always_inline]] inline Vec3<F> to_ray_space(const ShearedRay<F>& ray, const Vec3<F>& from_origin) {
   return sheared(ray.axes.x_of(from_origin), ray.axes.y_of(from_origin), ray.axes.z_of(from_origin), ray.shear_x,
                  ray.shear_y);
 }
@@ -117,12 +117,12 @@ struct EdgeFunctions {
   F u, v, w;
 };
 template <class F>
-EdgeFunctions<F> edge_functions(const F& ax, const F& ay, const F& bx, const F& by, const F& cx, const F& cy) {
+[[gnu::always_inline]] inline EdgeFunctions<F> edge_functions(const F& ax, const F& ay, const F& bx, const F& by, const F& cx, const F& cy) {
   return {cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax};
 }
 /// Whether two of them differ in sign: then the ray passes the triangle by.
 template <class F>
-MaskOf<F> differ_in_sign(const EdgeFunctions<F>& e) {
+[[gnu::always_inline]] inline MaskOf<F> differ_in_sign(const EdgeFunctions<F>& e) {
   return (min(e.w, min(e.v, e.u)) < F(0.0f)) & (F(0.0f) < max(e.w, max(e.v, e.u)));
 }
 
@@ -152,7 +152,7 @@ struct WatertightHit {
 /// From the edge functions, the vertices' z, and the largest |x| and |y| of all three. Interpolates from a: the error
 /// of z is then small where the triangle is.
 template <class F>
-WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F& bz, const F& cz, const F& xy_size,
+[[gnu::always_inline]] inline WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F& bz, const F& cz, const F& xy_size,
                                 const F& direction_z) {
   WatertightHit<F> hit;
   const F det = e.u + e.v + e.w;
@@ -176,7 +176,7 @@ WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F&
 /// Whether it is certain on which side of the limit a hit lies, although its t is not precise: beyond it or, if any hit
 /// will do, within the interval.
 template <bool any_hit, class F>
-MaskOf<F> side_is_certain(const WatertightHit<F>& hit, const F& t_min, const F& limit) {
+[[gnu::always_inline]] inline MaskOf<F> side_is_certain(const WatertightHit<F>& hit, const F& t_min, const F& limit) {
   const F margin = max(hit.error, F(kSmallestError)) * F(kRoughError) * abs(hit.t);
   const MaskOf<F> beyond = margin < (hit.t - limit) * hit.depth;
   if constexpr (!any_hit) return beyond;

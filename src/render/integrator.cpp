@@ -56,8 +56,11 @@ void Integrator::trace(const PathBatch& paths, BatchRadiance& radiance, RayCount
   }
 }
 
-std::size_t Integrator::light_count() const { return shading_->lights.count(); }
+LightStatistics Integrator::lights() const { return {shading_->lights.count(), shading_->lights.bytes()}; }
 
-std::size_t Integrator::light_bytes() const { return shading_->lights.bytes(); }
+LightStatistics light_statistics(const Scene& scene, const SceneNeeds& needs) {
+  const Lights lights(scene, needs);
+  return {lights.count(), lights.bytes()};
+}
 
 }  // namespace raylab

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "raylab/core/lanes.hpp"
+#include "raylab/core/numeric.hpp"
 #include "raylab/scene/environment.hpp"
 #include "raylab/scene/needs.hpp"
 #include "raylab/scene/scene.hpp"

@@ -41,13 +41,28 @@ struct alignas(64) PathQueue {
     return {load3(origin, i),           load3(direction, i),         load3(throughput, i),
             Wide::load(eta_scale + i), Wide::load(scatter_pdf + i), load3(scatter_position, i)};
   }
+  void store(const PathState<Wide>& p, std::size_t i) {
+    for_each(p, i, [](Wide x, float* to) { x.store(to); });
+  }
+  /// The lanes of the mask, side by side.
   void store(const PathState<Wide>& p, WideMask lanes, std::size_t i) {
-    compress3(p.origin, lanes, origin, i);
-    compress3(p.direction, lanes, direction, i);
-    compress3(p.throughput, lanes, throughput, i);
-    compress3(p.scatter_position, lanes, scatter_position, i);
-    compress(p.eta_scale, lanes, eta_scale + i);
-    compress(p.scatter_pdf, lanes, scatter_pdf + i);
+    for_each(p, i, [&](Wide x, float* to) { compress(x, lanes, to); });
+  }
+
+ private:
+  template <class Put>
+  void for_each(const PathState<Wide>& p, std::size_t i, const Put& put) {
+    const auto put3 = [&](const WideVec3& v, Floats (&to)[3]) {
+      put(v.x, to[0] + i);
+      put(v.y, to[1] + i);
+      put(v.z, to[2] + i);
+    };
+    put3(p.origin, origin);
+    put3(p.direction, direction);
+    put3(p.throughput, throughput);
+    put3(p.scatter_position, scatter_position);
+    put(p.eta_scale, eta_scale + i);
+    put(p.scatter_pdf, scatter_pdf + i);
   }
 };
 
@@ -94,14 +109,13 @@ class Wavefront {
 
   void start(const PathBatch& paths) {
     count_ = paths.count;
-    const WideMask all = first_lanes(kLanes);
     for (std::size_t c = 0; c < 3; ++c) __builtin_memset(radiance_[c].data(), 0, count_ * sizeof(float));
     for (std::size_t i = 0; i < count_; i += kLanes) {
       WideUInt::load(paths.seed_low.data() + i).store(paths_.seed_low + i);
       WideUInt::load(paths.seed_high.data() + i).store(paths_.seed_high + i);
       WideUInt::load(paths.sample.data() + i).store(paths_.sample + i);
       paths_.store(camera_path<Wide>(scene_.camera.rays(), sampler_of(i), Wide::load(paths.x.data() + i),
-                                     Wide::load(paths.y.data() + i)), all, i);
+                                     Wide::load(paths.y.data() + i)), i);
       Wide(0.0f).store(paths_.t_min + i);
       Wide(kInfinity).store(paths_.t_max + i);
       for (std::size_t k = i; k < i + kLanes; ++k) paths_.slot[k] = static_cast<std::uint32_t>(k);
@@ -233,7 +247,7 @@ class Wavefront {
   }
 
   /// Shadow rays towards one point of one light for each lane.
-  void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler, std::uint32_t draw,
+  [[gnu::noinline]] void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler, std::uint32_t draw,
                      const PathVertex<Wide>& vertex, const PathState<Wide>& path) {
     const ShadowRay<Wide> ray = shadow_ray(vertex, path, sample_lights(lanes, sampler, draw, vertex.point.position), offset_);
     const WideMask usable = lanes & ray.usable;

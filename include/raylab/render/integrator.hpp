@@ -51,6 +51,12 @@ struct RayCounts {
   }
 };
 
+/// Emitters that light samples are taken of, and the bytes kept for it.
+struct LightStatistics {
+  std::size_t count, bytes;
+};
+LightStatistics light_statistics(const Scene& scene, const SceneNeeds& needs);
+
 /// Paths to trace together, up to kMost.
 struct PathBatch {
   static constexpr std::size_t kMost = 512;
@@ -106,9 +112,7 @@ class Integrator {
   /// second at 1.4 times the relMSE, and open scenes twice the error at equal time.
   static constexpr int kFirstRouletteSegment = 5;
 
-  /// Emitters that light samples are taken of, and what is kept of them.
-  std::size_t light_count() const;
-  std::size_t light_bytes() const;
+  LightStatistics lights() const;
 
  private:
   std::unique_ptr<const ShadingScene> shading_;

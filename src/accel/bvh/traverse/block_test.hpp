@@ -63,6 +63,8 @@ class BlockTest;
 
 template <>
 class BlockTest<Intersector::watertight> {
+  using F = Float16Lanes;
+
  public:
   explicit BlockTest(const TraversalRay& ray) : ray_(ray), sheared_(three(ray.direction)) {
     for (int i = 0; i < 3; ++i) origin_[i] = ray.origin[i == 0 ? axes().kx : (i == 1 ? axes().ky : axes().kz)];
@@ -83,28 +85,32 @@ class BlockTest<Intersector::watertight> {
   /// The lanes whose edge functions do not differ in sign, for decide_one().
   template <class Block>
   std::uint32_t find_inside(const Block& block, Found& out) const {
-    const Positions<Block> p(*this, block);
-    const std::uint32_t found = inside(block, p.edges);
-    p.store(out);
+    constexpr int vectors = Corners<Block>::vectors;
+    F x[vectors], y[vectors], z[vectors];
+    EdgeFunctions<F> edges;
+    const std::uint32_t found = inside(block, Corners<Block>(block), x, y, z, edges);
+    store(x, y, z, edges, out);
     return found;
   }
 
   /// The lanes that may be hit, for decide().
   template <bool any_hit, class Block>
   std::uint32_t find(const Block& block, [[maybe_unused]] float limit, Found& out) const {
-    using F = Float16Lanes;
-    const Positions<Block> p(*this, block);
-    const std::uint32_t found = inside(block, p.edges);
+    constexpr int vectors = Corners<Block>::vectors;
+    const Corners<Block> corner(block);
+    F x[vectors], y[vectors], z[vectors];
+    EdgeFunctions<F> edges;
+    const std::uint32_t found = inside(block, corner, x, y, z, edges);
     if (found == 0) return 0;
     if constexpr (!kSixteenAtOnce) {
-      p.store(out);
+      store(x, y, z, edges, out);
       return found;
     } else {
-      F xy[Positions<Block>::vectors];
-      for (int i = 0; i < p.vectors; ++i) xy[i] = max(abs(p.x[i]), abs(p.y[i]));
-      const F xy_size = max(p.corner(0, xy), max(p.corner(1, xy), p.corner(2, xy)));
-      const WatertightHit<F> hit = watertight_hit<F>(p.edges, p.corner(0, p.z), p.corner(1, p.z), p.corner(2, p.z),
-                                                     xy_size, F(sheared_.direction_z));
+      F xy[vectors];
+      for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
+      const F xy_size = max(corner(0, xy), max(corner(1, xy), corner(2, xy)));
+      const WatertightHit<F> hit = watertight_hit<F>(edges, corner(0, z), corner(1, z), corner(2, z), xy_size,
+                                                     F(sheared_.direction_z));
       const F t_min(ray_.t_min()), to(limit);
       out.unsure = found & (!hit.sure).bits();
       out.imprecise = found & (!(hit.precise | side_is_certain<any_hit>(hit, t_min, to))).bits();
@@ -150,44 +156,35 @@ class BlockTest<Intersector::watertight> {
  private:
   const AxisOrder<float>& axes() const { return sheared_.axes; }
 
-  /// The positions of a block in the ray's space, and the edge functions of its triangles.
-  template <class Block>
-  struct Positions {
-    static constexpr int vectors = Corners<Block>::vectors;
-    using F = Float16Lanes;
-
-    Positions(const BlockTest& test, const Block& block) : corner(block) {
-      const auto load = [&](int axis, int i) { return F::load(block.position[axis] + i * kBlockSize); };
-      for (int i = 0; i < vectors; ++i) {
-        const Vec3<F> p = sheared(load(test.axes().kx, i) - F(test.origin_[0]), load(test.axes().ky, i) - F(test.origin_[1]),
-                                  load(test.axes().kz, i) - F(test.origin_[2]), F(test.sheared_.shear_x),
-                                  F(test.sheared_.shear_y));
-        x[i] = p.x;
-        y[i] = p.y;
-        z[i] = p.z;
-      }
-      edges = edge_functions<F>(corner(0, x), corner(0, y), corner(1, x), corner(1, y), corner(2, x), corner(2, y));
+  /// The lanes whose edge functions do not differ in sign; gives them, and the positions in the ray's space.
+  template <class Block, int vectors>
+  [[gnu::always_inline]] std::uint32_t inside(const Block& block, const Corners<Block>& corner, F (&x)[vectors],
+                                              F (&y)[vectors], F (&z)[vectors], EdgeFunctions<F>& edges) const {
+    const auto from_origin = [&](int axis, float origin, int i) {
+      return F::load(block.position[axis] + i * kBlockSize) - F(origin);
+    };
+    for (int i = 0; i < vectors; ++i) {
+      const Vec3<F> p = sheared(from_origin(axes().kx, origin_[0], i), from_origin(axes().ky, origin_[1], i),
+                                from_origin(axes().kz, origin_[2], i), F(sheared_.shear_x), F(sheared_.shear_y));
+      x[i] = p.x;
+      y[i] = p.y;
+      z[i] = p.z;
     }
-
-    /// What decide_one() reads.
-    void store(Found& out) const {
-      edges.u.store(out.u);
-      edges.v.store(out.v);
-      edges.w.store(out.w);
-      for (int i = 0; i < vectors; ++i) {
-        z[i].store(out.z + i * kBlockSize);
-        max(abs(x[i]), abs(y[i])).store(out.xy + i * kBlockSize);
-      }
-    }
-
-    Corners<Block> corner;
-    F x[vectors], y[vectors], z[vectors];
-    EdgeFunctions<F> edges;
-  };
-
-  template <class Block>
-  static std::uint32_t inside(const Block& block, const EdgeFunctions<Float16Lanes>& edges) {
+    edges = edge_functions<F>(corner(0, x), corner(0, y), corner(1, x), corner(1, y), corner(2, x), corner(2, y));
     return block.lanes & ~differ_in_sign(edges).bits();
+  }
+
+  /// What decide_one() reads.
+  template <int vectors>
+  static void store(const F (&x)[vectors], const F (&y)[vectors], const F (&z)[vectors], const EdgeFunctions<F>& edges,
+                    Found& out) {
+    edges.u.store(out.u);
+    edges.v.store(out.v);
+    edges.w.store(out.w);
+    for (int i = 0; i < vectors; ++i) {
+      z[i].store(out.z + i * kBlockSize);
+      max(abs(x[i]), abs(y[i])).store(out.xy + i * kBlockSize);
+    }
   }
 
   const TraversalRay& ray_;

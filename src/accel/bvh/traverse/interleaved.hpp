@@ -186,8 +186,9 @@ class InterleavedTraversal {
       }
       Wide t(0.0f);
       const WideMask hit = hit_sphere(first_lanes(static_cast<std::size_t>(count)), load3(rays[0], rays[1], rays[2]),
-                                      load3(rays[4], rays[5], rays[6]), load3(spheres[0], spheres[1], spheres[2]),
-                                      Wide::load(spheres[3]), Wide::load(rays[3]), Wide::load(rays[7]), t);
+                                      load3(rays[4], rays[5], rays[6]),
+                                      Vec3<WideDouble>(load3(spheres[0], spheres[1], spheres[2])),
+                                      WideDouble(Wide::load(spheres[3])), Wide::load(rays[3]), Wide::load(rays[7]), t);
       alignas(64) float distances[kLanes];
       t.store(distances);
       for (std::uint32_t left = hit.bits(); left != 0; left &= left - 1) {

@@ -203,8 +203,9 @@ class Packet {
     active = active & may_hit_sphere(origin_, direction_, length2_, sphere);
     if (!any(active)) return;
     Wide t;
-    const WideMask hit = hit_sphere(active, origin_, direction_, WideVec3(Wide(sphere[0]), Wide(sphere[1]), Wide(sphere[2])),
-                                    Wide(sphere[3]), t_min_, best_t_, t);
+    const auto all = [&](int k) { return WideDouble(static_cast<double>(sphere[k])); };
+    const WideMask hit =
+        hit_sphere(active, origin_, direction_, {all(0), all(1), all(2)}, all(3), t_min_, best_t_, t);
     if (!any(hit)) return;
     accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(slot));
   }

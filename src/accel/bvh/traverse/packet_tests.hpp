@@ -36,10 +36,10 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
 
 /// The nearest t with t_min < t <= limit at which rays hit spheres, in those of the lanes it returns. t_min is not
 /// negative. Divisions that are not wanted are left out.
-inline WideMask hit_sphere(WideMask lanes, const WideVec3& origin, const WideVec3& direction, const WideVec3& center,
-                           Wide radius, Wide t_min, Wide limit, Wide& t) {
+[[gnu::always_inline]] inline WideMask hit_sphere(WideMask lanes, const WideVec3& origin, const WideVec3& direction,
+                           const Vec3<WideDouble>& center, const WideDouble& radius, Wide t_min, Wide limit, Wide& t) {
   using D = WideDouble;
-  const SphereQuadratic<D> s(Vec3<D>(origin) - Vec3<D>(center), Vec3<D>(direction), D(radius));
+  const SphereQuadratic<D> s(Vec3<D>(origin) - center, Vec3<D>(direction), radius);
   // What starts on the sphere and leaves it mostly ends here.
   const D zero(0.0);
   lanes = lanes & !(s.discriminant < zero) & ((s.c < zero) | !(s.b < zero));
