@@ -74,3 +74,43 @@ TEST_CASE("a frame is orthonormal and right-handed around any unit vector", "[un
   }
   CHECK(worst < 2e-6);
 }
+
+namespace {
+
+/// Distance of a number from the exact one, in units in the last place of the exact one's float.
+double error_ulp(float found, long double exact) {
+  const auto rounded = std::abs(static_cast<float>(exact));
+  return static_cast<double>(std::abs(found - exact) /
+                             (static_cast<long double>(next_float_up(rounded)) - rounded));
+}
+
+}  // namespace
+
+TEST_CASE("the arc tangent of two numbers is that of the library to the last bits", "[unit][core]") {
+  double worst = 0.0;
+  const auto check = [&](float y, float x) {
+    const float found = arc_tangent<float>(y, x);
+    worst =
+        std::max(worst, error_ulp(found, std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
+    if (std::signbit(found) != std::signbit(y)) worst = 1e9;
+  };
+  for (std::uint64_t i = 0; i < 1000000; ++i) {
+    const std::uint64_t bits = mix_bits(i + 1);
+    const float a = bits_to_unit(static_cast<std::uint32_t>(bits)) - 0.5f;
+    const float b = bits_to_unit(static_cast<std::uint32_t>(bits >> 32)) - 0.5f;
+    check(a, b);
+    check(a, b * std::ldexp(1.0f, static_cast<int>(i % 40)));
+    check(a, std::copysign(a * (1.0f + 1e-6f * b), b));  // by the diagonal
+  }
+  const float all[] = {0.0f,       1e-30f, 1e-7f, 0.41421354f,
+                       0.4142136f, 1.0f,   3e7f,  std::numeric_limits<float>::max()};
+  for (const float y : all) {
+    for (const float x : all) {
+      if (y != 0.0f && y / x < std::numeric_limits<float>::min()) continue;  // a denormal or 0
+      for (const float signed_y : {y, -y}) {
+        for (const float signed_x : {x, -x}) check(signed_y, signed_x);
+      }
+    }
+  }
+  CHECK(worst < 2.0);
+}

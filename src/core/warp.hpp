@@ -32,6 +32,26 @@ void sine_cosine_of_turn(const F& turn, F& sine, F& cosine) {
   cosine = select(one | two, -cosine, cosine);
 }
 
+/// Angle of the point (x, y) in [-pi, pi], x and y at most 2^126, to two units in the last place (polynomial of
+/// the Cephes library); the signs of zeros count as in std::atan2.
+template <class F>
+F arc_tangent(const F& y, const F& x) {
+  const F across = abs(y), along = abs(x);
+  const F least = min(across, along), most = max(across, along);
+  const auto far = least > F(0.41421356f) * most;  // tan(pi/8): from there on by the angle to the diagonal
+  const F t = select(most > F(0.0f), select(far, least - most, least) / select(far, least + most, most), F(0.0f));
+  const F z = t * t;
+  const F small =
+      t + t * (z * (F(-3.33329491539e-1f) +
+                    z * (F(1.99777106478e-1f) + z * (F(-1.38776856032e-1f) + z * F(8.05374449538e-2f)))));
+  // What the floats of pi/4, pi/2 and pi lack is a third of a unit in the last place.
+  constexpr float kPiRest = -8.74227766e-8f;
+  F angle = select(far, F(0.25f * kPi) + (small + F(0.25f * kPiRest)), small);
+  angle = select(across > along, F(0.5f * kPi) - (angle - F(0.5f * kPiRest)), angle);
+  angle = select(copysign(F(1.0f), x) < F(0.0f), F(kPi) - (angle - F(kPiRest)), angle);
+  return copysign(angle, y);
+}
+
 /// Uniform density on the unit disk, low in distortion (Shirley and Chiu 1997).
 template <class F>
 void concentric_disk(const F& u, const F& v, F& x, F& y) {

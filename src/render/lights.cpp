@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/frame.hpp"
+#include "core/warp.hpp"
 #include "light_lanes.hpp"
 #include "raylab/scene/surface_point.hpp"
 
@@ -195,10 +196,8 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
   SurfacePoint point;
   if (d2 <= r2) {
     // From inside every point is seen: uniform over the surface.
-    const float z = 1.0f - 2.0f * u.x;
-    const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
-    const float phi = 2.0f * kPi * u.y;
-    point = point_on_sphere(sphere, sphere.center + sphere.radius * vec3(r * std::cos(phi), r * std::sin(phi), z));
+    const vec3 on_unit = uniform_sphere<float>(u.x, u.y);
+    point = point_on_sphere(sphere, sphere.center + sphere.radius * on_unit);
   } else {
     // Uniform in the cone of directions that meet the sphere; the angle alpha at its centre gives the point
     // (pbrt-v4 §6.2.4).
@@ -210,9 +209,10 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
     const float cos_alpha =
         sin2_theta / sin_max + cos_theta * std::sqrt(std::max(0.0f, 1.0f - sin2_theta / (sin_max * sin_max)));
     const float sin_alpha = std::sqrt(std::max(0.0f, 1.0f - cos_alpha * cos_alpha));
-    const float phi = 2.0f * kPi * u.y;
+    float sine, cosine;
+    sine_cosine_of_turn(u.y, sine, cosine);
     const Frame frame(-to_center / d);
-    const vec3 n = frame.to_world(vec3(sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha));
+    const vec3 n = frame.to_world(vec3(sin_alpha * cosine, sin_alpha * sine, cos_alpha));
     point = point_on_sphere(sphere, sphere.center + sphere.radius * n);
   }
   LightSample light;

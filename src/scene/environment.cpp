@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raylab/core/numeric.hpp"
+#include "core/warp.hpp"
 
 namespace raylab {
 
 namespace {
+
+/// Sine of the angle between the vertical and the middle of a row of a picture.
+float sine_of_row(int y, int height) {
+  float sine, cosine;
+  sine_cosine_of_turn(0.5f * (static_cast<float>(y) + 0.5f) / static_cast<float>(height), sine, cosine);
+  return sine;
+}
 
 /// Sine of the angle between unit direction d and the vertical.
 float sine_from_pole(const vec3& d) { return std::sqrt(d.x * d.x + d.z * d.z); }
@@ -16,17 +23,17 @@ float sine_from_pole(const vec3& d) { return std::sqrt(d.x * d.x + d.z * d.z); }
 
 vec2 direction_to_latlong(const vec3& d) {
   // u = 0.5 at -z, growing towards +x as seen from inside.
-  const float u = 0.5f + std::atan2(d.x, -d.z) * (0.5f * kInvPi);
+  const float u = 0.5f + arc_tangent<float>(d.x, -d.z) * (0.5f * kInvPi);
   // Not by the arc cosine, which knows angles below 3e-4 from a pole as 0.
-  const float v = std::atan2(sine_from_pole(d), d.y) * kInvPi;
+  const float v = arc_tangent<float>(sine_from_pole(d), d.y) * kInvPi;
   return {u, v};
 }
 
 vec3 latlong_to_direction(const vec2& uv) {
-  const float phi = (uv.x - 0.5f) * 2.0f * kPi;
-  const float theta = uv.y * kPi;
-  const float s = std::sin(theta);
-  return {s * std::sin(phi), std::cos(theta), -s * std::cos(phi)};
+  float sine_phi, cosine_phi, sine_theta, cosine_theta;  // phi from +z, half a turn from where u = 0.5 looks
+  sine_cosine_of_turn(uv.x, sine_phi, cosine_phi);
+  sine_cosine_of_turn(0.5f * uv.y, sine_theta, cosine_theta);
+  return {-sine_theta * sine_phi, cosine_theta, sine_theta * cosine_phi};
 }
 
 bool Environment::is_black() const {
@@ -63,7 +70,7 @@ float Environment::mean_luminance() const {
     case Kind::image: {
       double sum = 0.0, weights = 0.0;
       for (int y = 0; y < picture.height; ++y) {
-        const double weight = std::sin((y + 0.5) * static_cast<double>(kPi) / picture.height);
+        const double weight = sine_of_row(y, picture.height);
         for (int x = 0; x < picture.width; ++x) {
           sum += weight * luminance(picture.texels[static_cast<std::size_t>(y) * picture.width + x]);
         }
@@ -109,7 +116,7 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) {
   density_.resize(static_cast<std::size_t>(height_) * width_);
   std::vector<float> row_weights(height_);
   for (int y = 0; y < height_; ++y) {
-    const float sine = std::sin((static_cast<float>(y) + 0.5f) * kPi / static_cast<float>(height_));
+    const float sine = sine_of_row(y, height_);
     float* row = &density_[static_cast<std::size_t>(y) * width_];
     for (int x = 0; x < width_; ++x) {
       row[x] = sine * luminance(picture.texels[static_cast<std::size_t>(y) * width_ + x]);
@@ -133,10 +140,8 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) {
 
 EnvironmentSampler::Sample EnvironmentSampler::sample(const vec2& u) const {
   if (width_ == 0) {
-    const float z = 1.0f - 2.0f * u.x;
-    const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
-    const float phi = 2.0f * kPi * u.y;
-    return {{r * std::cos(phi), z, r * std::sin(phi)}, 0.25f * kInvPi};
+    const vec3 d = uniform_sphere(u);
+    return {{d.x, d.z, d.y}, 0.25f * kInvPi};
   }
   const int y = find_interval(row_cdf_.data(), height_, u.y);
   const float* cdf = &column_cdf_[static_cast<std::size_t>(y) * (width_ + 1)];

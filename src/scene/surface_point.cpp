@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/warp.hpp"
 #include "raylab/core/numeric.hpp"
 #include "surface_lanes.hpp"
 
@@ -45,8 +46,9 @@ vec3 offset_origin(const SurfacePoint& point, const vec3& direction) {
 }
 
 vec2 sphere_texcoords(const vec3& n) {
-  const float theta = std::acos(glm::clamp(-n.y, -1.0f, 1.0f));
-  const float phi = std::atan2(-n.z, n.x) + kPi;
+  // The arc cosine of -n.y, but accurate near the poles too.
+  const float theta = arc_tangent<float>(std::sqrt(n.x * n.x + n.z * n.z), -n.y);
+  const float phi = arc_tangent<float>(-n.z, n.x) + kPi;
   return {phi * (0.5f * kInvPi), theta * kInvPi};
 }
 
