@@ -1,16 +1,14 @@
-// `exact`: the judge. The tree of `bvh` before it is made wide, traversed in double with room for every rounding,
-// and leaves decided without rounding (see ExactTest).
+// `exact`: the judge. A plain tree that shares no code with `bvh`, traversed in double with room for every rounding, and
+// leaves decided without rounding (see ExactTest).
 #include "raylab/geometry/exact.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "backends.hpp"
-#include "bvh/build/binary_tree.hpp"
-#include "bvh/layout/layout.hpp"
-#include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
@@ -53,19 +51,62 @@ class BoxTest {
   double t_min_;
 };
 
+/// Halves of the primitives by their centres along the longest axis, down to leaves of a few.
+class MedianTree {
+ public:
+  struct Node {
+    Bounds bounds;
+    std::uint32_t first;  ///< of the leaf's primitives; of an inner node the second child, the first one follows it
+    std::uint32_t count;  ///< 0: inner node
+  };
+  static constexpr std::uint32_t kLeafSize = 4;
+  /// Each level halves the primitives, of which there are less than 2^32.
+  static constexpr std::size_t kMaxDepth = 32;
+
+  std::vector<PrimitiveId> ids;  ///< in the order of the leaves
+  std::vector<Node> nodes;       ///< the root first; empty without primitives
+
+  explicit MedianTree(const Geometry& geometry) : ids(valid_primitives(geometry)), geometry_(geometry) {
+    if (!ids.empty()) build(0, static_cast<std::uint32_t>(ids.size()));
+  }
+
+  std::size_t bytes() const { return ids.capacity() * sizeof(PrimitiveId) + nodes.capacity() * sizeof(Node); }
+
+ private:
+  void build(std::uint32_t begin, std::uint32_t end) {
+    const std::size_t index = nodes.size();
+    nodes.push_back({{}, begin, end - begin});
+    Bounds centers;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Bounds b = primitive_bounds(geometry_, ids[i]);
+      nodes[index].bounds.extend(b);
+      centers.extend(b.center());
+    }
+    if (end - begin <= kLeafSize) return;
+    const int axis = centers.longest_axis();
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    const auto center = [&](const PrimitiveId& id) { return primitive_bounds(geometry_, id).center()[axis]; };
+    std::nth_element(ids.begin() + begin, ids.begin() + middle, ids.begin() + end,
+                     [&](const PrimitiveId& x, const PrimitiveId& y) { return center(x) < center(y); });
+    build(begin, middle);
+    nodes[index].first = static_cast<std::uint32_t>(nodes.size());
+    nodes[index].count = 0;
+    build(middle, end);
+  }
+
+  const Geometry& geometry_;
+};
+
 class ExactBvh final : public Accelerator {
  public:
-  ExactBvh(const Geometry& geometry, int threads) : geometry_(geometry) {
-    const Stopwatch watch;
-    const ThreadLimit limit(threads);
-    tree_ = bvh::build_binary_tree(geometry, BuildQuality::balanced);
-    report_.primitives = tree_.primitives.size();
-    report_.invalid_primitives = geometry.primitive_count() - tree_.primitives.size();
-    report_.bytes = sizeof(*this) + tree_.primitives.bytes() + tree_.nodes.bytes();
+  explicit ExactBvh(const Geometry& geometry) : geometry_(geometry), watch_(), tree_(geometry) {
+    report_.primitives = tree_.ids.size();
+    report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
+    report_.bytes = sizeof(*this) + tree_.bytes();
     if (!tree_.nodes.empty()) describe(0, 1);
-    if (report_.sah_cost > 0.0) report_.sah_cost /= static_cast<double>(bvh::half_area(tree_.nodes[0]));
+    if (report_.sah_cost > 0.0) report_.sah_cost /= static_cast<double>(tree_.nodes[0].bounds.half_area());
     report_.isa = compiled_isa();
-    report_.seconds = watch.seconds();
+    report_.seconds = watch_.seconds();
   }
 
   std::optional<Hit> intersect(const Ray& ray) const noexcept override {
@@ -102,23 +143,22 @@ class ExactBvh final : public Accelerator {
       std::uint32_t node;
       double enter;
     };
-    std::array<Entry, bvh::kMaxDepth + 2> stack;
+    std::array<Entry, MedianTree::kMaxDepth + 2> stack;
     std::size_t size = 0;
-    stack[size++] = {0, box.enter(tree_.nodes[0], t_max)};
+    stack[size++] = {0, box.enter(tree_.nodes[0].bounds, t_max)};
     while (size > 0) {
       const auto [index, enter] = stack[--size];
       if (!(enter <= t_max) || enter == BoxTest::kOutside) continue;
-      const bvh::BinaryNode& node = tree_.nodes[index];
-      if (node.is_leaf()) {
+      const MedianTree::Node& node = tree_.nodes[index];
+      if (node.count != 0) {
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-          const bvh::Primitive& p = tree_.primitives[i];
-          if (box.enter(p, t_max) == BoxTest::kOutside) continue;
-          if (found(p.id(), t_max)) return true;
+          if (box.enter(primitive_bounds(geometry_, tree_.ids[i]), t_max) == BoxTest::kOutside) continue;
+          if (found(tree_.ids[i], t_max)) return true;
         }
         continue;
       }
-      Entry near{node.first, box.enter(tree_.nodes[node.first], t_max)};
-      Entry far{node.first + 1, box.enter(tree_.nodes[node.first + 1], t_max)};
+      Entry near{index + 1, box.enter(tree_.nodes[index + 1].bounds, t_max)};
+      Entry far{node.first, box.enter(tree_.nodes[node.first].bounds, t_max)};
       if (far.enter < near.enter) std::swap(near, far);
       if (far.enter != BoxTest::kOutside) stack[size++] = far;
       if (near.enter != BoxTest::kOutside) stack[size++] = near;
@@ -127,25 +167,25 @@ class ExactBvh final : public Accelerator {
   }
 
   void describe(std::uint32_t index, int depth) {
-    const bvh::BinaryNode& node = tree_.nodes[index];
+    const MedianTree::Node& node = tree_.nodes[index];
     report_.depth = std::max(report_.depth, depth);
-    const auto area = static_cast<double>(bvh::half_area(node));
-    report_.sah_cost += area * (node.is_leaf() ? node.count : 1);
-    if (node.is_leaf()) return;
+    report_.sah_cost += static_cast<double>(node.bounds.half_area()) * (node.count != 0 ? node.count : 1);
+    if (node.count != 0) return;
     ++report_.nodes;
+    describe(index + 1, depth + 1);
     describe(node.first, depth + 1);
-    describe(node.first + 1, depth + 1);
   }
 
   const Geometry& geometry_;
-  bvh::BinaryTree tree_;
+  Stopwatch watch_;
+  MedianTree tree_;
   BuildReport report_;
 };
 
 }  // namespace
 
-std::unique_ptr<Accelerator> make_exact(const Geometry& geometry, const AcceleratorOptions& options) {
-  return std::make_unique<ExactBvh>(geometry, options.threads);
+std::unique_ptr<Accelerator> make_exact(const Geometry& geometry, const AcceleratorOptions&) {
+  return std::make_unique<ExactBvh>(geometry);
 }
 
 }  // namespace raylab
