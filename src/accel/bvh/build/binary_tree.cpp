@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
@@ -98,8 +99,7 @@ class Builder {
 
   void build(std::uint32_t node_index, const Range& range, int depth) {
     BinaryNode& node = tree_.nodes[node_index];
-    _mm_store_ps(&node.lower.x, range.bounds.lower);
-    _mm_store_ps(&node.upper.x, range.bounds.upper);
+    std::memcpy(&node, &range.bounds, sizeof node);  // what is no bound is set below
     if (const auto kind = leaf_kind(range)) {
       Primitive* const begin = tree_.primitives.begin() + range.begin;
       Primitive* const end = tree_.primitives.begin() + range.end;
@@ -148,9 +148,7 @@ class Builder {
     if (best.axis < 0) return false;
     const auto axis = static_cast<std::size_t>(best.axis);
     partition(range, left, right, [&](const Primitive& p) {
-      alignas(16) std::array<int, 4> bin;
-      _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()), binning(p));
-      return bin[axis] < best.bin;
+      return binning(p)[axis] < best.bin;
     });
     return true;
   }
@@ -159,9 +157,7 @@ class Builder {
   /// split_by_cost.
   bool split_in_middle(const Range& range, Range& left, Range& right) {
     const int axis = widest_axis(range.centers);
-    alignas(16) float lower[4], upper[4];
-    _mm_store_ps(lower, range.centers.lower);
-    _mm_store_ps(upper, range.centers.upper);
+    const Four lower = range.centers.lower, upper = range.centers.upper;
     const float middle = 0.5f * lower[axis] + 0.5f * upper[axis];
     if (!(lower[axis] < middle && middle <= upper[axis])) return false;
     partition(range, left, right, [=](const Primitive& p) { return p.lower[axis] + p.upper[axis] < middle; });
@@ -172,7 +168,7 @@ class Builder {
   bool split_space(const Range& range, const ObjectSplit& other, Range& left, Range& right) {
     const bool parts_well = is_empty(other.shared) || scaled_area(other.shared, root_scale_) <= most_shared_area_;
     if (other.axis >= 0 && parts_well) return false;
-    const __m128 scale = area_scale(range.bounds);
+    const Four scale = area_scale(range.bounds);
     const SpatialSplit split = find_spatial_split(geometry_, references(range), range.bounds, scale);
     if (split.axis < 0 || !(split.cost < other.cost)) return false;
     std::vector<Primitive> in_left, in_right;
@@ -250,8 +246,7 @@ class Builder {
   }
 
   static int widest_axis(const Box& box) {
-    alignas(16) float extent[4];
-    _mm_store_ps(extent, _mm_sub_ps(box.upper, box.lower));
+    const Four extent = box.upper - box.lower;
     return extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : (extent[1] >= extent[2] ? 1 : 2);
   }
 
@@ -285,7 +280,7 @@ class Builder {
   bool follows_cost_;
   bool splits_space_;
   BinaryTree& tree_;
-  __m128 root_scale_;
+  Four root_scale_;
   float most_shared_area_ = 0.0f;  ///< in units of scaled_area() with that scale
   std::atomic<std::uint32_t> next_node_{1};
 };

@@ -8,15 +8,14 @@ ObjectSplit find_object_split(std::span<const Primitive> primitives, const Box& 
   Box boxes[3][kMostBins];
   std::uint32_t counts[3][kMostBins] = {};
   for (const Primitive& p : primitives) {
-    alignas(16) int bin[4];
-    _mm_store_si128(reinterpret_cast<__m128i*>(bin), binning(p));
+    const FourInts bin = binning(p);
     for (int axis = 0; axis < 3; ++axis) {
       boxes[axis][bin[axis]].extend(p);
       ++counts[axis][bin[axis]];
     }
   }
 
-  const __m128 scale = area_scale(bounds);
+  const Four scale = area_scale(bounds);
   ObjectSplit best;
   for (int axis = 0; axis < 3; ++axis) {
     if (!binning.usable(axis)) continue;
@@ -42,7 +41,7 @@ ObjectSplit find_object_split(std::span<const Primitive> primitives, const Box& 
     Box left, right;
     for (int bin = 0; bin < best.bin; ++bin) left.extend(boxes[best.axis][bin]);
     for (int bin = best.bin; bin < binning.bins; ++bin) right.extend(boxes[best.axis][bin]);
-    best.shared = {_mm_max_ps(left.lower, right.lower), _mm_min_ps(left.upper, right.upper)};
+    best.shared = {max(left.lower, right.lower), min(left.upper, right.upper)};
   }
   return best;
 }

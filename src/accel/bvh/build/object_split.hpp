@@ -11,24 +11,19 @@ inline constexpr int kMostBins = 32;
 /// Maps centres to bins, the same way for counting and for partitioning.
 struct Binning {
   int bins;
-  __m128 origin, scale, last;
+  Four origin, scale, last;
 
   Binning(const Box& centers, int count) : bins(count), origin(centers.lower) {
-    last = _mm_set1_ps(static_cast<float>(bins - 1));
-    const __m128 extent = _mm_sub_ps(centers.upper, centers.lower);
-    scale = _mm_div_ps(_mm_set1_ps(0.9999f * static_cast<float>(bins)), extent);
+    last = four(static_cast<float>(bins - 1));
+    scale = four(0.9999f * static_cast<float>(bins)) / (centers.upper - centers.lower);
   }
 
   /// Whether the centres differ along the axis, by enough to compute with.
-  bool usable(int axis) const {
-    alignas(16) float s[4];
-    _mm_store_ps(s, scale);
-    return s[axis] < kInfinity;
-  }
+  bool usable(int axis) const { return scale[axis] < kInfinity; }
 
-  __m128i operator()(const Primitive& p) const {
-    const __m128 bin = _mm_mul_ps(_mm_sub_ps(center(p), origin), scale);
-    return _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(bin, _mm_setzero_ps()), last));
+  /// The bin along each axis.
+  FourInts operator()(const Primitive& p) const {
+    return __builtin_convertvector(min(max((center(p) - origin) * scale, Four{}), last), FourInts);
   }
 };
 

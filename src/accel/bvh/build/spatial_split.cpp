@@ -106,7 +106,7 @@ class Slices {
 float sphere_side(const Primitive& p, int axis) { return 0.5f * p.lower[axis] + 0.5f * p.upper[axis]; }
 
 void search_axis(const Geometry& geometry, std::span<const Primitive> references, int axis, const Slices& slices,
-                 __m128 scale, SpatialSplit& best) {
+                 Four scale, SpatialSplit& best) {
   Box boxes[kMostBins];
   std::uint32_t begins[kMostBins] = {}, ends[kMostBins] = {};
   for (const Primitive& reference : references) {
@@ -148,20 +148,17 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
 }  // namespace
 
 SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, const Box& bounds,
-                                __m128 scale) {
-  alignas(16) float lower[4], upper[4];
-  _mm_store_ps(lower, bounds.lower);
-  _mm_store_ps(upper, bounds.upper);
+                                Four scale) {
   const int bins = static_cast<int>(std::min<std::size_t>(kMostBins, 4 + references.size() / 8));
   SpatialSplit best;
   for (int axis = 0; axis < 3; ++axis) {
-    const Slices slices(lower[axis], upper[axis], bins);
+    const Slices slices(bounds.lower[axis], bounds.upper[axis], bins);
     if (slices.usable()) search_axis(geometry, references, axis, slices, scale, best);
   }
   return best;
 }
 
-void part(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, __m128 scale,
+void part(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, Four scale,
           std::vector<Primitive>& left, std::vector<Primitive>& right) {
   const int axis = split.axis;
   Box left_box = split.left_box, right_box = split.right_box;

@@ -19,11 +19,11 @@ struct SpatialSplit {
 
 /// The cheapest split of the references, which lie in `bounds`, by the surface area heuristic.
 SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, const Box& bounds,
-                                __m128 scale);
+                                Four scale);
 
 /// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never
 /// parted.
-void part(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, __m128 scale,
+void part(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, Four scale,
           std::vector<Primitive>& left, std::vector<Primitive>& right);
 
 }  // namespace raylab::bvh
