@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include "accel/bvh/build/wide_tree.hpp"
+#include "accel/bvh/build/collapse.hpp"
 #include "catch.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"

@@ -17,7 +17,7 @@ void expect_error(ErrorKind kind, const std::string& place, std::initializer_lis
   } catch (const Error& e) {
     const std::string text = e.what();
     CHECK(e.kind() == kind);
-    CHECK(e.place() == place);
+    CHECK(e.location() == place);
     for (const char* part : parts) {
       INFO("\"" << text << "\" should contain \"" << part << "\"");
       CHECK(text.find(part) != std::string::npos);

@@ -73,7 +73,7 @@ TEST_CASE("a bad override is a usage error placed at the option", "[unit]") {
   InputFolder folder;
   struct Case {
     std::string text;
-    std::string place;
+    std::string location;
     std::vector<const char*> parts;
   };
   const std::vector<Case> cases = {
@@ -102,7 +102,7 @@ TEST_CASE("a bad override is a usage error placed at the option", "[unit]") {
   for (const Case& bad : cases) {
     INFO(bad.text);
     for (const char* part : bad.parts) {
-      expect_error(ErrorKind::usage, bad.place, {part}, [&] { folder.load(kScene, {bad.text}); });
+      expect_error(ErrorKind::usage, bad.location, {part}, [&] { folder.load(kScene, {bad.text}); });
     }
   }
 }

@@ -14,14 +14,14 @@ const std::string kBall = "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial 
 
 struct BadScene {
   std::string toml;
-  const char* place;  // line:column, or empty for the file alone
+  const char* location;  // line:column, or empty for the file alone
   std::vector<const char*> parts;
 };
 
 void expect_all(const InputFolder& folder, const std::vector<BadScene>& scenes) {
   for (const BadScene& bad : scenes) {
     INFO(bad.toml);
-    const std::string place = folder.at("scene.toml") + (*bad.place == '\0' ? "" : ":") + bad.place;
+    const std::string place = folder.at("scene.toml") + (*bad.location == '\0' ? "" : ":") + bad.location;
     expect_error(ErrorKind::input, place, {}, [&] { folder.load(bad.toml); });
     for (const char* part : bad.parts) {
       expect_error(ErrorKind::input, place, {part}, [&] { folder.load(bad.toml); });
@@ -53,8 +53,8 @@ TEST_CASE("a syntax error is placed where TOML breaks", "[unit]") {
       FAIL("no error was thrown");
     } catch (const Error& error) {
       CHECK(error.kind() == ErrorKind::input);
-      CHECK(error.place().substr(0, place.size()) == place);
-      CHECK(error.place().size() > place.size());
+      CHECK(error.location().substr(0, place.size()) == place);
+      CHECK(error.location().size() > place.size());
     }
   }
 }

@@ -15,20 +15,6 @@ constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWin
                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 constexpr float kMargin = 8.0f;
 
-const char* kind_name(Material::Kind kind) {
-  switch (kind) {
-    case Material::Kind::lambertian:
-      return "lambertian";
-    case Material::Kind::metal:
-      return "metal";
-    case Material::Kind::dielectric:
-      return "glass";
-    case Material::Kind::diffuse_light:
-      return "light";
-  }
-  return "";
-}
-
 double millions_a_second(std::uint64_t count, double seconds) {
   return seconds > 0.0 ? 1e-6 * static_cast<double>(count) / seconds : 0.0;
 }
@@ -72,7 +58,7 @@ void show_materials(const Scene& scene) {
                        ImGuiColorEditFlags_NoTooltip, ImVec2(14.0f, 14.0f));
     ImGui::PopID();
     ImGui::SameLine();
-    ImGui::Text("%s  %s", m.name.c_str(), kind_name(m.kind));
+    ImGui::Text("%s  %s", m.name.c_str(), kMaterialKindNames[static_cast<std::size_t>(m.kind)]);
   }
   ImGui::EndChild();
 }

@@ -35,9 +35,9 @@ constexpr int kMostFrames = 1 << 20;
 /// Reads the words of one line.
 class Line {
  public:
-  Line(const std::string& text, std::string place) : words_(text), place_(std::move(place)) {}
+  Line(const std::string& text, std::string location) : words_(text), location_(std::move(location)) {}
 
-  [[noreturn]] void fail(const std::string& message) const { throw Error(ErrorKind::input, place_, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw Error(ErrorKind::input, location_, message); }
 
   bool word(std::string& out) { return static_cast<bool>(words_ >> out); }
 
@@ -74,7 +74,7 @@ class Line {
 
  private:
   std::istringstream words_;
-  std::string place_;
+  std::string location_;
 };
 
 void parse_line(Line& line, int number, std::vector<ScriptStep>& steps) {

@@ -62,8 +62,8 @@ class Handover {
   };
 
 #ifdef RAYLAB_SANITIZE_THREAD
-  static void acquire(char& place) { __tsan_acquire(&place); }
-  static void release(char& place) { __tsan_release(&place); }
+  static void acquire(char& location) { __tsan_acquire(&location); }
+  static void release(char& location) { __tsan_release(&location); }
 #else
   static void acquire(char&) {}
   static void release(char&) {}

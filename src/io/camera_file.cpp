@@ -23,12 +23,12 @@ struct Edit {
 
 /// Offset of a "file:line:column" in the text. Columns count characters, but before a camera's value there are
 /// only ASCII ones on its line, a byte order mark aside.
-std::size_t offset_of(std::string_view text, const std::string& place) {
-  const std::size_t column_colon = place.rfind(':');
-  const std::size_t line_colon = place.rfind(':', column_colon - 1);
+std::size_t offset_of(std::string_view text, const std::string& location) {
+  const std::size_t column_colon = location.rfind(':');
+  const std::size_t line_colon = location.rfind(':', column_colon - 1);
   std::size_t line = 1, column = 1;
-  std::from_chars(place.data() + line_colon + 1, place.data() + column_colon, line);
-  std::from_chars(place.data() + column_colon + 1, place.data() + place.size(), column);
+  std::from_chars(location.data() + line_colon + 1, location.data() + column_colon, line);
+  std::from_chars(location.data() + column_colon + 1, location.data() + location.size(), column);
   std::size_t at = line == 1 && text.starts_with("\xef\xbb\xbf") ? 3 : 0;
   for (; line > 1; --line) at = text.find('\n', at) + 1;
   return std::min(at + column - 1, text.size());
@@ -93,10 +93,10 @@ Edit addition(std::string_view text, const TomlValue* table, const std::vector<C
     const bool ended = text.empty() || text.back() == '\n';
     return {text.size(), 0, (ended ? "" : newline) + newline + "[camera]" + newline + lines};
   }
-  const std::size_t start = offset_of(text, table->place);
+  const std::size_t start = offset_of(text, table->location);
   const bool is_inline = text[start] == '{';
   std::size_t at = start + 1;
-  for (const TomlValue& value : table->items) at = std::max(at, value_end(text, offset_of(text, value.place)));
+  for (const TomlValue& value : table->items) at = std::max(at, value_end(text, offset_of(text, value.location)));
   if (is_inline) {
     std::string separator = table->items.empty() ? " " : ", ";
     for (const CameraKey& key : missing) {
@@ -133,7 +133,7 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
     }
     for (std::size_t i = 0; i < key.next.size(); ++i) {
       if (key.now[i] == key.next[i]) continue;
-      const std::size_t at = offset_of(text, value->is_array() ? value->items[i].place : value->place);
+      const std::size_t at = offset_of(text, value->is_array() ? value->items[i].location : value->location);
       edits.push_back({at, number_end(text, at) - at, exact_text(key.next[i])});
     }
   }
@@ -145,7 +145,7 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
 
   // The text was edited by place, not written anew: what it now means is checked before anyone relies on it.
   const auto fail = [&] {
-    throw Error(ErrorKind::failure, table == nullptr ? file : table->place,
+    throw Error(ErrorKind::failure, table == nullptr ? file : table->location,
                 "this way of writing a camera cannot be changed in place");
   };
   try {

@@ -7,52 +7,19 @@
 #include "message_text.hpp"
 
 namespace raylab {
-namespace {
 
-std::string texture_text(const Texture& texture, const std::vector<TextureImage>& images) {
-  switch (texture.kind) {
-    case Texture::Kind::solid:
-      return color_text(texture.a);
-    case Texture::Kind::checker:
-      return "checker of " + number_text(texture.size) + " in " + color_text(texture.a) + " and " +
-             color_text(texture.b);
-    case Texture::Kind::image:
-      break;
-  }
-  const TextureImage& image = images[texture.image];
-  return in_quotes(image.name) + " (" + std::to_string(image.width) + " x " + std::to_string(image.height) + ")";
-}
-
-}  // namespace
-
-std::string describe(const Material& material, const std::vector<TextureImage>& textures) {
-  const std::string name = "material " + in_quotes(material.name) + ": ";
-  const std::string color = texture_text(material.color, textures);
-  switch (material.kind) {
-    case Material::Kind::lambertian:
-      return name + "lambertian, albedo " + color;
-    case Material::Kind::metal:
-      return name + "metal, albedo " + color + ", fuzz " + number_text(material.fuzz);
-    case Material::Kind::dielectric:
-      return name + "dielectric, index " + number_text(material.index);
-    case Material::Kind::diffuse_light:
-      break;
-  }
-  return name + "diffuse_light, radiance " + color;
-}
-
-std::uint32_t MaterialLibrary::add(Material material, const std::string& place) {
-  notes.push_back(place + ": " + describe(material, textures.images()));
+std::uint32_t MaterialLibrary::add(Material material, const std::string& location) {
+  notes.push_back(location + ": " + describe(material, textures.images()));
   materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(materials.size() - 1);
 }
 
-std::uint32_t MaterialLibrary::default_material(const std::string& place) {
+std::uint32_t MaterialLibrary::default_material(const std::string& location) {
   if (!default_) {
     Material grey;
     grey.name = "default";
     grey.color = Texture::solid_color(Rgb(0.5f));
-    default_ = add(std::move(grey), place);
+    default_ = add(std::move(grey), location);
   }
   return *default_;
 }
@@ -79,7 +46,7 @@ std::optional<std::uint32_t> MaterialLibrary::find(const std::filesystem::path& 
       std::find_if(entries.begin(), entries.end(), [&](const MtlEntry& e) { return e.source.name == name; });
   if (entry == entries.end()) return std::nullopt;
   if (!entry->index) {
-    entry->index = add(from_mtl(entry->source, mtl->second.path.parent_path()), entry->source.place);
+    entry->index = add(from_mtl(entry->source, mtl->second.path.parent_path()), entry->source.location);
   }
   return entry->index;
 }

@@ -23,10 +23,10 @@ class MaterialLibrary {
   std::vector<std::filesystem::path> files;  ///< read so far, textures excepted
 
   /// Adds a material and the note of it; returns its index in `materials`.
-  std::uint32_t add(Material material, const std::string& place);
+  std::uint32_t add(Material material, const std::string& location);
 
   /// What has no material: lambertian grey (0.5).
-  std::uint32_t default_material(const std::string& place);
+  std::uint32_t default_material(const std::string& location);
 
   /// Makes the materials of an MTL file known, if they are not; false when there is no such file. Throws Error.
   bool open_mtl(const std::filesystem::path& file);

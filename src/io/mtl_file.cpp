@@ -65,14 +65,14 @@ class MtlReader {
   }
 
  private:
-  std::string place() const { return file_ + ":" + std::to_string(line_); }
+  std::string location() const { return file_ + ":" + std::to_string(line_); }
 
   [[noreturn]] void fail(std::string_view found, const std::string& expected) const {
-    throw Error(ErrorKind::input, place(), "found " + in_quotes(found) + ", expected " + expected);
+    throw Error(ErrorKind::input, location(), "found " + in_quotes(found) + ", expected " + expected);
   }
 
   void warn_once(const std::string& kind, const std::string& message) {
-    if (warned_.insert(kind).second) warnings_.push_back(place() + ": " + message);
+    if (warned_.insert(kind).second) warnings_.push_back(location() + ": " + message);
   }
 
   void statement(std::string_view line) {
@@ -95,13 +95,13 @@ class MtlReader {
                                    [&](const MtlMaterial& material) { return material.name == name; });
     skipping_ = same != materials_.end();
     if (skipping_) {
-      warnings_.push_back(place() + ": material " + in_quotes(name) + " is left out: " + same->place +
+      warnings_.push_back(location() + ": material " + in_quotes(name) + " is left out: " + same->location +
                           " has that name");
       return;
     }
     materials_.emplace_back();
     materials_.back().name = std::move(name);
-    materials_.back().place = place();
+    materials_.back().location = location();
   }
 
   void property(MtlMaterial& material, const std::string& keyword, std::string_view rest) {
@@ -122,7 +122,7 @@ class MtlReader {
       material.illum = static_cast<int>(value);
     } else if (keyword == "map_Kd") {
       material.map_kd = map_file(keyword, rest);
-      material.map_kd_place = place();
+      material.map_kd_place = location();
     } else if (!changes_nothing(keyword, rest)) {
       warn_once(keyword, in_quotes(keyword) + " is not understood and left out");
     }

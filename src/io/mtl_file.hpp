@@ -11,7 +11,7 @@ namespace raylab {
 /// What an MTL file says of one material. What it does not say is absent, which is not the same as zero.
 struct MtlMaterial {
   std::string name;
-  std::string place;  ///< file:line of its newmtl
+  std::string location;  ///< file:line of its newmtl
   std::optional<Rgb> kd, ks, ke;
   std::optional<float> ns, ni;
   std::optional<int> illum;

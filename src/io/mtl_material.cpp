@@ -14,7 +14,7 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
   const Rgb given = color.value_or(otherwise);
   const Rgb albedo = glm::min(given, Rgb(1.0f));
   if (albedo != given) {
-    warnings.push_back(source.place + ": material " + in_quotes(source.name) + " has albedo " + color_text(given) +
+    warnings.push_back(source.location + ": material " + in_quotes(source.name) + " has albedo " + color_text(given) +
                        ", clamped to 1");
   }
   return Texture::solid_color(albedo);
@@ -36,7 +36,7 @@ Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const std::files
 
 Material MaterialLibrary::from_mtl(const MtlMaterial& source, const std::filesystem::path& folder) {
   const auto warn = [&](const std::string& message) {
-    warnings.push_back(source.place + ": material " + in_quotes(source.name) + " " + message);
+    warnings.push_back(source.location + ": material " + in_quotes(source.name) + " " + message);
   };
   const bool emits = source.ke && !is_black(*source.ke);
   const int illum = source.illum.value_or(2);

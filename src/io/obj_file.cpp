@@ -160,7 +160,7 @@ class ObjBuilder {
   }
 
   void other(std::string_view keyword, std::string_view rest) {
-    if (!materials_.statement(keyword, rest, source_.place(), library_)) ignored(keyword);
+    if (!materials_.statement(keyword, rest, source_.location(), library_)) ignored(keyword);
   }
 
   /// Names and groups do not change the picture; what else is left out may.
@@ -172,7 +172,7 @@ class ObjBuilder {
       if (keyword == known) return;
     }
     warned_.emplace_back(keyword);
-    library_.warnings.push_back(source_.place() + ": " + in_quotes(keyword) + " is not understood and left out");
+    library_.warnings.push_back(source_.location() + ": " + in_quotes(keyword) + " is not understood and left out");
   }
 
   void finish_normals() {

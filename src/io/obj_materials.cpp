@@ -38,25 +38,25 @@ std::vector<std::string> library_names(std::string_view rest) {
 ObjMaterials::ObjMaterials(const std::filesystem::path& file, const ObjOptions& options)
     : file_(file), ignored_(options.ignore_materials) {}
 
-bool ObjMaterials::statement(std::string_view keyword, std::string_view rest, const std::string& place,
+bool ObjMaterials::statement(std::string_view keyword, std::string_view rest, const std::string& location,
                              MaterialLibrary& library) {
   if (keyword == "mtllib") {
-    if (!ignored_) open_libraries(rest, place, library);
+    if (!ignored_) open_libraries(rest, location, library);
     return true;
   }
   if (keyword != "usemtl") return false;
-  current_ = {std::string(rest), place};
+  current_ = {std::string(rest), location};
   changed_ = true;
   return true;
 }
 
-void ObjMaterials::open_libraries(std::string_view names, const std::string& place, MaterialLibrary& library) {
+void ObjMaterials::open_libraries(std::string_view names, const std::string& location, MaterialLibrary& library) {
   for (const std::string& name : library_names(names)) {
     const std::filesystem::path file = file_.parent_path() / name;
     if (library.open_mtl(file)) {
       mtl_files_.push_back(file);
     } else {
-      library.warnings.push_back(place + ": material file " + in_quotes(name) + " is missing");
+      library.warnings.push_back(location + ": material file " + in_quotes(name) + " is missing");
     }
   }
 }
@@ -65,9 +65,9 @@ void ObjMaterials::add_triangle(std::size_t triangle_count, int line) {
   if (ignored_) return;
   if (changed_) {
     changed_ = false;
-    if (current_.place.empty()) current_.place = file_.string() + ":" + std::to_string(line);
+    if (current_.location.empty()) current_.location = file_.string() + ":" + std::to_string(line);
     if (uses_.size() > std::numeric_limits<std::uint16_t>::max()) {
-      throw Error(ErrorKind::input, current_.place, "more than 65536 materials");
+      throw Error(ErrorKind::input, current_.location, "more than 65536 materials");
     }
     const auto [entry, is_new] = use_of_.try_emplace(current_.name, static_cast<std::uint16_t>(uses_.size()));
     if (is_new) uses_.push_back(current_);
@@ -79,13 +79,13 @@ void ObjMaterials::add_triangle(std::size_t triangle_count, int line) {
 }
 
 std::uint32_t ObjMaterials::index_of(const Use& use, MaterialLibrary& library) const {
-  if (use.name.empty()) return library.default_material(use.place);
+  if (use.name.empty()) return library.default_material(use.location);
   for (const std::filesystem::path& file : mtl_files_) {
     if (const auto index = library.find(file, use.name)) return *index;
   }
-  library.warnings.push_back(use.place + ": material " + in_quotes(use.name) +
+  library.warnings.push_back(use.location + ": material " + in_quotes(use.name) +
                              " is not defined: grey (0.5) in its place");
-  return library.default_material(use.place);
+  return library.default_material(use.location);
 }
 
 MeshMaterials ObjMaterials::finish(MaterialLibrary& library) {

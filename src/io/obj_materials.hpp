@@ -19,7 +19,7 @@ class ObjMaterials {
   ObjMaterials(const std::filesystem::path& file, const ObjOptions& options);
 
   /// Takes a statement in; false when it is neither mtllib nor usemtl.
-  bool statement(std::string_view keyword, std::string_view rest, const std::string& place,
+  bool statement(std::string_view keyword, std::string_view rest, const std::string& location,
                  MaterialLibrary& library);
 
   /// The triangle added last has the material of the last usemtl. `triangle_count` includes it.
@@ -31,9 +31,9 @@ class ObjMaterials {
  private:
   struct Use {
     std::string name;  // empty before the first usemtl
-    std::string place;
+    std::string location;
   };
-  void open_libraries(std::string_view names, const std::string& place, MaterialLibrary& library);
+  void open_libraries(std::string_view names, const std::string& location, MaterialLibrary& library);
   std::uint32_t index_of(const Use& use, MaterialLibrary& library) const;
 
   std::filesystem::path file_;

@@ -86,7 +86,7 @@ ObjSource::Counts ObjSource::counts() const {
 }
 
 void ObjSource::fail(std::string_view found, const std::string& expected) const {
-  throw Error(ErrorKind::input, place(), "found " + in_quotes(found) + ", expected " + expected);
+  throw Error(ErrorKind::input, location(), "found " + in_quotes(found) + ", expected " + expected);
 }
 
 void ObjSource::fail(const std::string& expected) const {

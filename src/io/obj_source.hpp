@@ -26,7 +26,7 @@ class ObjSource : public std::streambuf {
   /// First line of the statement read last, from 1.
   int line() const { return line_; }
   /// "file:line" of it.
-  std::string place() const { return file_ + ":" + std::to_string(line_); }
+  std::string location() const { return file_ + ":" + std::to_string(line_); }
 
   /// Throws Error (input): "file:line: found VALUE, expected ...".
   [[noreturn]] void fail(std::string_view found, const std::string& expected) const;

@@ -47,7 +47,7 @@ class ColorReader {
     Texture texture;
     texture.kind = Texture::Kind::image;
     texture.image = textures_.load(file, name);
-    if (!range.accepts(2.0f)) check_albedo(textures_.images()[texture.image], value.place);
+    if (!range.accepts(2.0f)) check_albedo(textures_.images()[texture.image], value.location);
     return texture;
   }
 
@@ -55,8 +55,22 @@ class ColorReader {
   TextureFiles& textures_;
 };
 
+std::string texture_text(const Texture& texture, const std::vector<TextureImage>& images) {
+  switch (texture.kind) {
+    case Texture::Kind::solid:
+      return color_text(texture.a);
+    case Texture::Kind::checker:
+      return "checker of " + number_text(texture.size) + " in " + color_text(texture.a) + " and " +
+             color_text(texture.b);
+    case Texture::Kind::image:
+      break;
+  }
+  const TextureImage& image = images[texture.image];
+  return in_quotes(image.name) + " (" + std::to_string(image.width) + " x " + std::to_string(image.height) + ")";
+}
+
 Material::Kind kind_of(const TomlValue& type, const std::string& path) {
-  const std::vector<std::string> names = {"lambertian", "metal", "dielectric", "diffuse_light"};  // as in Kind
+  const std::vector<std::string> names(kMaterialKindNames.begin(), kMaterialKindNames.end());
   const std::string& name = string_of(type, path);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) {
@@ -96,6 +110,22 @@ Material read_material(const TomlValue& table, const ColorReader& colors) {
 
 }  // namespace
 
+std::string describe(const Material& material, const std::vector<TextureImage>& textures) {
+  const std::string name = "material " + in_quotes(material.name) + ": ";
+  const std::string color = texture_text(material.color, textures);
+  switch (material.kind) {
+    case Material::Kind::lambertian:
+      return name + "lambertian, albedo " + color;
+    case Material::Kind::metal:
+      return name + "metal, albedo " + color + ", fuzz " + number_text(material.fuzz);
+    case Material::Kind::dielectric:
+      return name + "dielectric, index " + number_text(material.index);
+    case Material::Kind::diffuse_light:
+      break;
+  }
+  return name + "diffuse_light, radiance " + color;
+}
+
 SceneMaterials::SceneMaterials(const TomlValue* table, const std::filesystem::path& folder,
                                MaterialLibrary& library) {
   if (table == nullptr) return;
@@ -104,7 +134,7 @@ SceneMaterials::SceneMaterials(const TomlValue* table, const std::filesystem::pa
   for (const TomlValue& item : table->items) {
     if (!item.is_table()) item.fail("material." + item.key, "a table, written [material." + item.key + "]");
     by_name_[item.key] = entries_.size();
-    entries_.push_back({&item, library.add(read_material(item, colors), item.place), false});
+    entries_.push_back({&item, library.add(read_material(item, colors), item.location), false});
   }
 }
 

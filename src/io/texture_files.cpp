@@ -38,10 +38,10 @@ TextureImage read_texture(const std::filesystem::path& file, const std::string& 
   return texture;
 }
 
-void check_albedo(const TextureImage& image, const std::string& place) {
+void check_albedo(const TextureImage& image, const std::string& location) {
   for (const Rgb& texel : image.texels) {
     if (max_component(texel) <= 1.0f) continue;
-    throw Error(ErrorKind::input, place,
+    throw Error(ErrorKind::input, location,
                 "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) +
                     ", expected values in [0, 1]");
   }

@@ -31,8 +31,8 @@ class TextureFiles {
 /// Reads one picture as load() does, for a background.
 TextureImage read_texture(const std::filesystem::path& file, const std::string& name);
 
-/// Throws Error (input) at `place` when the picture, as an EXR may, has values above 1: as an albedo it would make
+/// Throws Error (input) at `location` when the picture, as an EXR may, has values above 1: as an albedo it would make
 /// light out of nothing.
-void check_albedo(const TextureImage& image, const std::string& place);
+void check_albedo(const TextureImage& image, const std::string& location);
 
 }  // namespace raylab

@@ -11,13 +11,13 @@
 namespace raylab {
 namespace {
 
-std::string place_text(const std::string& file, const toml::source_position& position) {
+std::string location_text(const std::string& file, const toml::source_position& position) {
   return file + ":" + std::to_string(position.line) + ":" + std::to_string(position.column);
 }
 
 TomlValue converted(const toml::node& node, const std::string& file) {
   TomlValue value;
-  value.place = place_text(file, node.source().begin);
+  value.location = location_text(file, node.source().begin);
   node.visit([&](const auto& typed) {
     using Kind = TomlValue::Kind;
     if constexpr (toml::is_table<decltype(typed)>) {
@@ -29,7 +29,7 @@ TomlValue converted(const toml::node& node, const std::string& file) {
       for (const auto& [position, key, child] : entries) {
         value.items.push_back(converted(*child, file));
         value.items.back().key = std::string(key->str());
-        value.items.back().key_place = place_text(file, position);
+        value.items.back().key_location = location_text(file, position);
       }
     } else if constexpr (toml::is_array<decltype(typed)>) {
       value.kind = Kind::array;
@@ -56,11 +56,11 @@ TomlValue converted(const toml::node& node, const std::string& file) {
   return value;
 }
 
-void mark_overridden(TomlValue& value, const std::string& place) {
-  value.place = place;
-  value.key_place = place;
+void mark_overridden(TomlValue& value, const std::string& location) {
+  value.location = location;
+  value.key_location = location;
   value.overridden = true;
-  for (TomlValue& item : value.items) mark_overridden(item, place);
+  for (TomlValue& item : value.items) mark_overridden(item, location);
 }
 
 }  // namespace
@@ -111,28 +111,28 @@ void TomlValue::fail(const std::string& path, const std::string& expected) const
 }
 
 void TomlValue::fail_here(const std::string& message) const {
-  throw Error(overridden ? ErrorKind::usage : ErrorKind::input, place, message);
+  throw Error(overridden ? ErrorKind::usage : ErrorKind::input, location, message);
 }
 
 void TomlValue::fail_at_key(const std::string& message) const {
-  throw Error(overridden ? ErrorKind::usage : ErrorKind::input, key_place, message);
+  throw Error(overridden ? ErrorKind::usage : ErrorKind::input, key_location, message);
 }
 
 TomlValue parse_toml(std::string_view text, const std::string& file) {
   try {
     return converted(toml::parse(text), file);
   } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::input, place_text(file, error.source().begin), std::string(error.description()));
+    throw Error(ErrorKind::input, location_text(file, error.source().begin), std::string(error.description()));
   }
 }
 
-std::optional<TomlValue> parse_toml_value(std::string_view text, const std::string& place) {
+std::optional<TomlValue> parse_toml_value(std::string_view text, const std::string& location) {
   try {
     const toml::table table = toml::parse("value = " + std::string(text));
     // A line break in the text could have smuggled in further keys.
     if (table.size() != 1) return std::nullopt;
-    TomlValue value = converted(*table.get("value"), place);
-    mark_overridden(value, place);
+    TomlValue value = converted(*table.get("value"), location);
+    mark_overridden(value, location);
     return value;
   } catch (const toml::parse_error&) {
     return std::nullopt;

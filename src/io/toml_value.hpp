@@ -22,9 +22,9 @@ struct TomlValue {
   double real = 0.0;
   std::string text;              ///< of a string; of a date as written
   std::vector<TomlValue> items;  ///< of an array; of a table in the order of the file
-  std::string place;             ///< file:line:column, or the option that gave it
+  std::string location;             ///< file:line:column, or the option that gave it
   std::string key;               ///< in its table
-  std::string key_place;
+  std::string key_location;
 
   bool is_table() const { return kind == Kind::table; }
   bool is_array() const { return kind == Kind::array; }
@@ -49,8 +49,8 @@ struct TomlValue {
 /// Parses a whole document. Throws Error (input) with file:line:column for syntax errors.
 TomlValue parse_toml(std::string_view text, const std::string& file);
 
-/// Parses one value as it stands to the right of "=", all of it placed at `place` and marked overridden; nullopt
+/// Parses one value as it stands to the right of "=", all of it placed at `location` and marked overridden; nullopt
 /// when it is no TOML.
-std::optional<TomlValue> parse_toml_value(std::string_view text, const std::string& place);
+std::optional<TomlValue> parse_toml_value(std::string_view text, const std::string& location);
 
 }  // namespace raylab

@@ -73,7 +73,7 @@ struct PathVertex {
   PointLanes<F> point;
   Vec3<F> ng;           ///< geometric normal on the side of wo, where the path came from
   MaskOf<F> inside;     ///< that is the side which the point's own normal points away from
-  MaskOf<F> bent;       ///< the shading normal is not the geometric one
+  MaskOf<F> smooth;     ///< the shading normal is not the geometric one
   BasicFrame<F> frame;  ///< around the shading normal, on the side of wo
   Vec3<F> wo_local;
 };
@@ -87,14 +87,14 @@ PathVertex<F> path_vertex(const MaterialLanes<F>& material, const Vec3<F>& color
   const MaskOf<F> inside = dot(wo, point.ng) < F(0.0f);
   const Vec3<F> ng = select<F>(inside, -point.ng, point.ng);
   Vec3<F> ns = ng;
-  MaskOf<F> bent{};
+  MaskOf<F> smooth{};
   if (normal_sum != nullptr) {
-    const Vec3<F> smooth = shading_normal<F>(*normal_sum, ng);
-    ns = select<F>(dot(wo, smooth) > F(0.0f), smooth, ng);
-    bent = (ns.x != ng.x) | (ns.y != ng.y) | (ns.z != ng.z);
+    const Vec3<F> interpolated = shading_normal<F>(*normal_sum, ng);
+    ns = select<F>(dot(wo, interpolated) > F(0.0f), interpolated, ng);
+    smooth = (ns.x != ng.x) | (ns.y != ng.y) | (ns.z != ng.z);
   }
   const BasicFrame<F> frame(ns);
-  return {material, color, point, ng, inside, bent, frame, frame.to_local(wo)};
+  return {material, color, point, ng, inside, smooth, frame, frame.to_local(wo)};
 }
 
 /// Start of a ray that leaves the vertex.
@@ -128,10 +128,10 @@ ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const 
   if (!any(ray.usable)) return ray;
   const Vec3<F> wi_local = v.frame.to_local(light.wi);
   BsdfValue<F> f = eval_bsdf<F>(v.material, v.color, v.wo_local, wi_local);
-  if (any(v.bent)) {
+  if (any(v.smooth)) {
     const BsdfValue<F> above = eval_bsdf_above<F>(v.material, v.color, v.wo_local, wi_local, v.frame.to_local(v.ng));
-    f.value = select<F>(v.bent, above.value, f.value);
-    f.pdf = select(v.bent, above.pdf, f.pdf);
+    f.value = select<F>(v.smooth, above.value, f.value);
+    f.pdf = select(v.smooth, above.pdf, f.pdf);
   }
   ray.usable = ray.usable & (f.pdf > F(0.0f));
   if (!any(ray.usable)) return ray;
@@ -147,11 +147,11 @@ ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const 
 template <class F>
 MaskOf<F> scatter(const PathVertex<F>& v, const Vec2<F>& u, const F& lobe, RayOffset offset, PathState<F>& path) {
   BsdfSample<F> s = sample_bsdf<F>(v.material, v.color, v.wo_local, v.inside, u, lobe);
-  if (any(v.bent)) {
+  if (any(v.smooth)) {
     const BsdfSample<F> above =
         sample_bsdf_above<F>(v.material, v.color, v.wo_local, v.frame.to_local(v.ng), v.inside, u, lobe);
-    s.wi = select<F>(v.bent, above.wi, s.wi);
-    s.pdf = select(v.bent, above.pdf, s.pdf);
+    s.wi = select<F>(v.smooth, above.wi, s.wi);
+    s.pdf = select(v.smooth, above.pdf, s.pdf);
   }
   path.direction = v.frame.to_world(s.wi);
   path.origin = ray_start(v, path.direction, offset);

@@ -161,7 +161,7 @@ class Wavefront {
     if (scene_.needs.shading_normals) normal_sum = load3(surfaces_.normal_sum);
     PathVertex<Wide> vertex = path_vertex<Wide>(material, color, point, path.direction,
                                                 scene_.needs.shading_normals ? &normal_sum : nullptr);
-    vertex.bent = vertex.bent & alive;
+    vertex.smooth = vertex.smooth & alive;
     if (scene_.sample_lights) {
       const WideMask lit = alive & has_density(material);
       if (any(lit)) light_samples(lit, first, sampler, draw, vertex, path);

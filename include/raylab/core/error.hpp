@@ -17,18 +17,18 @@ enum class ErrorKind {
 /// else the file or the option.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorKind kind, std::string place, std::string message)
-      : std::runtime_error(place.empty() ? message : place + ": " + message),
+  Error(ErrorKind kind, std::string location, std::string message)
+      : std::runtime_error(location.empty() ? message : location + ": " + message),
         kind_(kind),
-        place_(std::move(place)) {}
+        location_(std::move(location)) {}
 
   ErrorKind kind() const noexcept { return kind_; }
-  const std::string& place() const noexcept { return place_; }
+  const std::string& location() const noexcept { return location_; }
   int exit_code() const noexcept { return static_cast<int>(kind_); }
 
  private:
   ErrorKind kind_;
-  std::string place_;
+  std::string location_;
 };
 
 }  // namespace raylab

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -20,5 +21,8 @@ struct Material {
   float fuzz = 0.0f;    ///< metal, in [0, 1]
   float index = 1.5f;   ///< dielectric, > 0
 };
+
+/// What the kinds are called in scene files, in their order.
+inline constexpr std::array kMaterialKindNames = {"lambertian", "metal", "dielectric", "diffuse_light"};
 
 }  // namespace raylab

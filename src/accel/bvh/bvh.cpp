@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "../backends.hpp"
-#include "build/wide_tree.hpp"
+#include "build/collapse.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 #include "traverse/kernel.hpp"

@@ -32,7 +32,7 @@ constexpr std::uint32_t kParallelGrain = 4096;
 /// A range of primitives with what the next split needs to know of it.
 struct Range {
   std::uint32_t begin, end;
-  std::uint32_t room;  ///< from `end` to here are places for references that spatial splits add
+  std::uint32_t room;  ///< from `end` to here are slots for references that spatial splits add
   Box bounds;
   Box centers;  ///< of the doubled centres
 
@@ -172,7 +172,7 @@ class Builder {
     const SpatialSplit split = find_spatial_split(geometry_, references(range), range.bounds, scale);
     if (split.axis < 0 || !(split.cost < other.cost)) return false;
     std::vector<Primitive> in_left, in_right;
-    part(geometry_, references(range), split, scale, in_left, in_right);
+    partition_references(geometry_, references(range), split, scale, in_left, in_right);
     const std::size_t total = in_left.size() + in_right.size();
     if (in_left.empty() || in_right.empty() || total > range.room - range.begin) return false;
     if (total == 2 * range.size()) return false;  // nothing is parted

@@ -11,7 +11,7 @@ namespace raylab::bvh {
 
 struct alignas(16) BinaryNode {
   vec3 lower;
-  std::uint32_t first;  ///< leaf: place of its first primitive; inner node: index of the left child, the right
+  std::uint32_t first;  ///< leaf: slot of its first primitive; inner node: index of the left child, the right
                         ///< one follows
   vec3 upper;
   std::uint16_t count;  ///< of primitives in a leaf; 0 in an inner node

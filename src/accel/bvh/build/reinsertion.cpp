@@ -30,7 +30,7 @@ Box joined(const A& a, const B& b) {
 /// A subtree that might move, and how much smaller the sum of areas would be.
 struct Move {
   std::uint32_t node = 0;
-  std::uint32_t beside = 0;  ///< its new sibling
+  std::uint32_t target = 0;  ///< its new sibling
   double gain = 0.0;
 };
 
@@ -109,8 +109,8 @@ class Optimizer {
     return moves;
   }
 
-  /// The best new place for a node. Taking it out saves its parent, and shrinks the boxes above; putting it in
-  /// beside another adds their common box, and grows those between that and the path upwards. All nodes beside the
+  /// The best new position for a node. Taking it out saves its parent, and shrinks the boxes above; putting it in
+  /// as the sibling of another adds their common box, and grows those between that and the path upwards. All nodes off the
   /// path are searched, except below one where what is saved less what has already grown cannot pay for the node's
   /// own area, which the common box has at least.
   Move find_move(std::uint32_t node, std::vector<std::pair<double, std::uint32_t>>& stack) const {
@@ -119,12 +119,12 @@ class Optimizer {
     const double own = half_area(nodes_[node]);
     const std::uint32_t parent = parent_of(node);
     double saved = half_area(nodes_[parent]);
-    std::uint32_t beside = sibling_of(node);
+    std::uint32_t sibling = sibling_of(node);
     std::uint32_t above = parent;
     int visits = 0;
-    Box without{nodes_[beside].lower, nodes_[beside].upper};  // `above`, once the node is out
+    Box without{nodes_[sibling].lower, nodes_[sibling].upper};  // `above`, once the node is out
     for (;;) {
-      stack.emplace_back(saved, beside);
+      stack.emplace_back(saved, sibling);
       while (!stack.empty()) {
         const auto [left, candidate] = stack.back();
         stack.pop_back();
@@ -143,14 +143,14 @@ class Optimizer {
         stack.emplace_back(left_below, other.first + 1);
       }
       if (above != parent) {
-        without = joined(without, nodes_[beside]);
-        // Beside what is left of `above`, their common box being that of `above` now.
+        without = joined(without, nodes_[sibling]);
+        // Next to what is left of `above`, their common box being that of `above` now.
         const double gain = saved - half_area(without);
         if (gain > best.gain) best = {node, above, gain};
         saved += half_area(nodes_[above]) - half_area(without);
       }
       if (above == 0) return best;
-      beside = sibling_of(above);
+      sibling = sibling_of(above);
       above = parent_of(above);
     }
   }
@@ -160,21 +160,21 @@ class Optimizer {
     std::vector<char> changed(nodes_.size(), 0);
     for (const Move& move : moves) {
       const std::uint32_t sibling = sibling_of(move.node), parent = parent_of(move.node);
-      const std::uint32_t touched[] = {move.node, sibling, parent, move.beside,
-                                       move.beside == 0 ? 0 : parent_of(move.beside)};
+      const std::uint32_t touched[] = {move.node, sibling, parent, move.target,
+                                       move.target == 0 ? 0 : parent_of(move.target)};
       const auto has_changed = [&](std::uint32_t i) { return changed[i] != 0; };
       if (std::any_of(std::begin(touched), std::end(touched), has_changed)) continue;
-      if (is_below(move.beside, move.node)) continue;  // another move took it there
+      if (is_below(move.target, move.node)) continue;  // another move took it there
       for (const std::uint32_t i : touched) changed[i] = 1;
       const std::uint32_t pair = std::min(move.node, sibling);
       const BinaryNode moved = nodes_[move.node];
       put(parent, nodes_[sibling]);
-      put(pair, nodes_[move.beside]);
+      put(pair, nodes_[move.target]);
       put(pair + 1, moved);
-      nodes_[move.beside].first = pair;
-      nodes_[move.beside].count = 0;
-      nodes_[move.beside].kind = RefKind::node;
-      parents_[pair_of(pair)] = move.beside;
+      nodes_[move.target].first = pair;
+      nodes_[move.target].count = 0;
+      nodes_[move.target].kind = RefKind::node;
+      parents_[pair_of(pair)] = move.target;
     }
   }
 

@@ -11,7 +11,7 @@ namespace raylab::bvh {
 struct WideTree {
   HugeArray<CacheLine> lines;  ///< of nodes and blocks
   std::size_t nodes = 0;
-  /// By place in the order of the tree, some more than once if space is split; one more for no hit ends them.
+  /// By slot in the order of the tree, some more than once if space is split; one more for no hit ends them.
   HugeArray<PrimitiveId> ids;
   std::size_t primitives = 0;  ///< valid ones
   Ref root = make_ref(RefKind::end, 0);

@@ -1,4 +1,4 @@
-#include "wide_tree.hpp"
+#include "collapse.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ namespace {
 
 /// How a binary subtree is best covered by the lanes of a wide node, for each number of them: so that the areas of
 /// all wide nodes and leaves, which are what the surface area heuristic expects a ray to meet, are least together.
-struct Cover {
+struct CollapseCost {
   double area[kWidth];            ///< [k]: that of the subtree's wide nodes and leaves if it has k lanes, k >= 1
   std::uint8_t left[kWidth + 1];  ///< [k]: of k lanes those that go to the left child; 0: one lane takes it all.
                                   ///< [kWidth]: as a wide node of its own
@@ -23,45 +23,45 @@ struct Cover {
 
 /// By dynamic programming from the leaves up, after Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray
 /// Traversal on GPUs Through Compressed Wide BVHs", section 3.1.
-std::vector<Cover> best_covers(const HugeArray<BinaryNode>& nodes) {
-  std::vector<Cover> covers(nodes.size());
+std::vector<CollapseCost> collapse_costs(const HugeArray<BinaryNode>& nodes) {
+  std::vector<CollapseCost> costs(nodes.size());
   for (std::size_t i = nodes.size(); i-- > 0;) {  // children come after their parents
     const BinaryNode& node = nodes[i];
-    Cover& cover = covers[i];
-    cover = {};
-    cover.area[1] = half_area(node);
+    CollapseCost& cost = costs[i];
+    cost = {};
+    cost.area[1] = half_area(node);
     if (!node.is_leaf()) {
-      const Cover& l = covers[node.first];
-      const Cover& r = covers[node.first + 1];
+      const CollapseCost& l = costs[node.first];
+      const CollapseCost& r = costs[node.first + 1];
       double split[kWidth + 1];
       for (int k = 2; k <= kWidth; ++k) {
         split[k] = l.area[1] + r.area[k - 1];
-        cover.left[k] = 1;
+        cost.left[k] = 1;
         for (int i = 2; i < k; ++i) {
           const double area = l.area[i] + r.area[k - i];
           if (area >= split[k]) continue;
           split[k] = area;
-          cover.left[k] = static_cast<std::uint8_t>(i);
+          cost.left[k] = static_cast<std::uint8_t>(i);
         }
       }
-      cover.area[1] += split[kWidth];
+      cost.area[1] += split[kWidth];
       for (int k = 2; k < kWidth; ++k) {
-        cover.area[k] = std::min(split[k], cover.area[1]);
-        if (split[k] > cover.area[1]) cover.left[k] = 0;
+        cost.area[k] = std::min(split[k], cost.area[1]);
+        if (split[k] > cost.area[1]) cost.left[k] = 0;
       }
     } else {
-      std::fill(cover.area + 2, std::end(cover.area), cover.area[1]);
+      std::fill(cost.area + 2, std::end(cost.area), cost.area[1]);
     }
   }
-  return covers;
+  return costs;
 }
 
 /// The top of a binary subtree, as many levels of it as one wide node takes in.
 class Treelet {
  public:
-  Treelet(const BinaryNode* nodes, const std::vector<Cover>& covers, std::uint32_t root) : nodes_(nodes) {
-    parts_[0] = {root, 0};
-    open(covers, 0, kWidth);
+  Treelet(const BinaryNode* nodes, const std::vector<CollapseCost>& costs, std::uint32_t root) : nodes_(nodes) {
+    treelet_[0] = {root, 0};
+    open(costs, 0, kWidth);
     number(0);
   }
 
@@ -79,44 +79,44 @@ class Treelet {
   }
 
  private:
-  struct Part {
+  struct TreeletNode {
     std::uint32_t node;
-    int left;  ///< of the parts it was opened into, the other follows; 0 if it was not
+    int left;  ///< child in the treelet, the right one follows; 0 for a lane of the wide node
     int lane = -1;
   };
 
-  const BinaryNode& node(int part) const { return nodes_[parts_[part].node]; }
+  const BinaryNode& binary(int node) const { return nodes_[treelet_[node].node]; }
 
-  void open(const std::vector<Cover>& covers, int part, int lanes) {
-    const int left_lanes = covers[parts_[part].node].left[lanes];
+  void open(const std::vector<CollapseCost>& costs, int node, int lanes) {
+    const int left_lanes = costs[treelet_[node].node].left[lanes];
     if (left_lanes == 0) return;
-    const std::uint32_t child = node(part).first;
+    const std::uint32_t child = binary(node).first;
     const int left = size_;
-    parts_[part].left = left;
-    parts_[size_++] = {child, 0};
-    parts_[size_++] = {child + 1, 0};
-    open(covers, left, left_lanes);
-    open(covers, left + 1, lanes - left_lanes);
+    treelet_[node].left = left;
+    treelet_[size_++] = {child, 0};
+    treelet_[size_++] = {child + 1, 0};
+    open(costs, left, left_lanes);
+    open(costs, left + 1, lanes - left_lanes);
   }
 
-  void number(int part) {
-    if (parts_[part].left == 0) {
-      parts_[part].lane = children_;
-      child_[children_++] = parts_[part].node;
+  void number(int node) {
+    if (treelet_[node].left == 0) {
+      treelet_[node].lane = children_;
+      child_[children_++] = treelet_[node].node;
       return;
     }
-    number(parts_[part].left);
-    number(parts_[part].left + 1);
+    number(treelet_[node].left);
+    number(treelet_[node].left + 1);
   }
 
   static void append(int lane, std::uint32_t& packed, int& count) {
     packed |= static_cast<std::uint32_t>(lane) << (4 * count++);
   }
 
-  void append_near_to_far(int part, int octant, std::uint32_t& packed, int& count) const {
-    const Part& p = parts_[part];
+  void append_near_to_far(int node, int octant, std::uint32_t& packed, int& count) const {
+    const TreeletNode& p = treelet_[node];
     if (p.left == 0) return append(p.lane, packed, count);
-    const bool a_is_nearer = meets_first(node(p.left), node(p.left + 1), octant);
+    const bool a_is_nearer = meets_first(binary(p.left), binary(p.left + 1), octant);
     append_near_to_far(p.left + (a_is_nearer ? 0 : 1), octant, packed, count);
     append_near_to_far(p.left + (a_is_nearer ? 1 : 0), octant, packed, count);
   }
@@ -140,22 +140,22 @@ class Treelet {
   }
 
   const BinaryNode* nodes_;
-  std::array<Part, 2 * kWidth - 1> parts_;
+  std::array<TreeletNode, 2 * kWidth - 1> treelet_;
   int size_ = 1;
   std::array<std::uint32_t, kWidth> child_;
   int children_ = 0;
 };
 
 /// Where the children of a wide node go: they are numbered through, siblings side by side.
-struct Plan {
+struct NodeLayout {
   std::uint32_t binary;
   std::uint32_t line;
   std::uint32_t first_child;  ///< line
 };
 
-class Widener {
+class Collapse {
  public:
-  Widener(const Geometry& geometry, BinaryTree&& binary) : geometry_(geometry), binary_(std::move(binary)) {}
+  Collapse(const Geometry& geometry, BinaryTree&& binary) : geometry_(geometry), binary_(std::move(binary)) {}
 
   WideTree run() {
     tree_.primitives = binary_.primitive_count;
@@ -169,9 +169,9 @@ class Widener {
       tree_.lines = HugeArray<CacheLine>(line_count_);
       fill_leaf(root, tree_.root);
     } else {
-      covers_ = best_covers(binary_.nodes);
+      costs_ = collapse_costs(binary_.nodes);
       tree_.root = child_ref(root, line_count_);
-      plan();
+      lay_out();
       fill();
     }
     return std::move(tree_);
@@ -204,22 +204,22 @@ class Widener {
   }
 
   /// Numbers nodes and blocks, those that are near each other in the tree near each other in memory.
-  void plan() {
+  void lay_out() {
     struct Entry {
       std::uint32_t wide;
       int depth;
     };
-    plans_.push_back({0, 0, 0});
+    layouts_.push_back({0, 0, 0});
     std::vector<Entry> stack{{0, 1}};
     double area = 0.0;
     while (!stack.empty()) {
       const auto [wide, depth] = stack.back();
       stack.pop_back();
-      Plan& plan = plans_[wide];
-      area += half_area(binary_.nodes[plan.binary]);
+      NodeLayout& layout = layouts_[wide];
+      area += half_area(binary_.nodes[layout.binary]);
       tree_.depth = std::max(tree_.depth, depth + 1);
-      const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
-      plan.first_child = line_count_;
+      const Treelet treelet(binary_.nodes.data(), costs_, layout.binary);
+      layout.first_child = line_count_;
       const auto first_entry = static_cast<std::ptrdiff_t>(stack.size());
       for (int i = 0; i < treelet.children(); ++i) {
         const BinaryNode& child = binary_.nodes[treelet.child(i)];
@@ -227,14 +227,14 @@ class Widener {
         if (child.is_leaf()) {
           area += half_area(child);
         } else {
-          stack.push_back({static_cast<std::uint32_t>(plans_.size()), depth + 1});
-          plans_.push_back({treelet.child(i), ref_index(ref), 0});
+          stack.push_back({static_cast<std::uint32_t>(layouts_.size()), depth + 1});
+          layouts_.push_back({treelet.child(i), ref_index(ref), 0});
         }
       }
       std::reverse(stack.begin() + first_entry, stack.end());
     }
     RAYLAB_CHECK(tree_.depth <= kMaxDepth);
-    tree_.nodes = plans_.size();
+    tree_.nodes = layouts_.size();
     const double root_area = half_area(binary_.nodes[0]);
     tree_.sah_cost = root_area > 0.0 ? area / root_area : 0.0;
   }
@@ -242,17 +242,17 @@ class Widener {
   void fill() {
     tree_.lines = HugeArray<CacheLine>(line_count_);
     constexpr std::size_t kChunk = 256;
-    parallel_for((plans_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-      const std::size_t end = std::min(plans_.size(), (chunk + 1) * kChunk);
+    parallel_for((layouts_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      const std::size_t end = std::min(layouts_.size(), (chunk + 1) * kChunk);
       for (std::size_t i = chunk * kChunk; i < end; ++i) {
-        fill_node(plans_[i], *new (&tree_.lines[plans_[i].line]) Node());
+        fill_node(layouts_[i], *new (&tree_.lines[layouts_[i].line]) Node());
       }
     });
   }
 
-  void fill_node(const Plan& plan, Node& node) {
-    const Treelet treelet(binary_.nodes.data(), covers_, plan.binary);
-    std::uint32_t next_line = plan.first_child;
+  void fill_node(const NodeLayout& layout, Node& node) {
+    const Treelet treelet(binary_.nodes.data(), costs_, layout.binary);
+    std::uint32_t next_line = layout.first_child;
     for (int lane = 0; lane < kWidth; ++lane) {
       if (lane >= treelet.children()) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -300,9 +300,9 @@ class Widener {
 
   const Geometry& geometry_;
   BinaryTree binary_;
-  std::vector<Cover> covers_;
+  std::vector<CollapseCost> costs_;
   WideTree tree_;
-  std::vector<Plan> plans_;
+  std::vector<NodeLayout> layouts_;
   std::uint32_t line_count_ = 0;
 };
 
@@ -312,7 +312,7 @@ std::size_t WideTree::bytes() const { return lines.bytes() + ids.bytes(); }
 
 WideTree build_wide_tree(const Geometry& geometry, BuildQuality quality) {
   const auto build = [&](Splits splits) {
-    return Widener(geometry, build_binary_tree(geometry, quality, splits)).run();
+    return Collapse(geometry, build_binary_tree(geometry, quality, splits)).run();
   };
   if (quality != BuildQuality::best) return build(Splits::of_primitives);
   WideTree tree = build(Splits::of_space_too);
