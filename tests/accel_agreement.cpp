@@ -75,7 +75,7 @@ TEST_CASE("Embree's build quality and compactness reach it: trees differ in size
   const auto bytes = [&](const AcceleratorOptions& options) {
     return make_accelerator("embree", geometry, options)->build_report().bytes;
   };
-  CHECK(bytes({.quality = BuildQuality::best}) > bytes({.quality = BuildQuality::balanced}));
+  CHECK(bytes({.quality = BuildQuality::best}) != bytes({.quality = BuildQuality::balanced}));
   CHECK(bytes({.quality = BuildQuality::fast}) != bytes({.quality = BuildQuality::balanced}));
   CHECK(bytes({.compact = true}) < bytes({}));
 }

@@ -56,7 +56,7 @@ TEST_CASE("every built-in accelerator takes what its capabilities say, and refus
     bool Capabilities::*taken;
     AcceleratorOptions options;
   };
-  std::vector<Choice> choices{{"--isa", &Capabilities::takes_isa, {.isa = Isa::sse42}},
+  std::vector<Choice> choices{{"--isa", &Capabilities::takes_isa, {.isa = newest_isa()}},
                               {"--compact", &Capabilities::takes_compact, {.compact = true}}};
   for (const Intersector i : {Intersector::book, Intersector::fast, Intersector::watertight}) {
     choices.push_back({"--intersector", &Capabilities::takes_intersector, {.intersector = i}});
