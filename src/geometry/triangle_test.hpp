@@ -123,7 +123,9 @@ template <class F>
 /// Whether two of them differ in sign: then the ray passes the triangle by.
 template <class F>
 [[gnu::always_inline]] inline MaskOf<F> differ_in_sign(const EdgeFunctions<F>& e) {
-  return (min(e.w, min(e.v, e.u)) < F(0.0f)) & (F(0.0f) < max(e.w, max(e.v, e.u)));
+  const MaskOf<F> one_below = min(e.w, min(e.v, e.u)) < F(0.0f);
+  const MaskOf<F> one_above = F(0.0f) < max(e.w, max(e.v, e.u));
+  return one_below & one_above;
 }
 
 /// The edge functions err by roundings of max|z| max|x, y|, so t errs by roundings of

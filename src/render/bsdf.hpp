@@ -76,7 +76,9 @@ V mirror(const V& wo) {
 /// Where light sampling can contribute: diffuse surfaces and metal that blurs.
 template <class F>
 MaskOf<F> has_density(const MaterialLanes<F>& m) {
-  return m.is(Material::Kind::lambertian) | (m.is(Material::Kind::metal) & (m.fuzz > F(0.0f)));
+  const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
+  const MaskOf<F> rough = m.is(Material::Kind::metal) & (m.fuzz > F(0.0f));
+  return lambertian | rough;
 }
 
 /// f cos and pdf for a direction; both 0 below the surface and for delta materials.
