@@ -44,7 +44,8 @@ std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count, std::uint6
   rays.reserve(count);
   while (rays.size() < count) {
     const vec3 origin = uniform.in_box(bounds.lower - margin, bounds.upper + margin);
-    const vec3 direction = (uniform.in_box(bounds.lower, bounds.upper) - origin) * uniform(0.5f, 2.0f);
+    const float scale = uniform(0.5f, 2.0f);  // first: compilers differ in which side of a product is drawn first
+    const vec3 direction = (uniform.in_box(bounds.lower, bounds.upper) - origin) * scale;
     if (direction != vec3(0.0f)) rays.push_back({origin, direction});
   }
   return rays;
