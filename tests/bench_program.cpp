@@ -229,7 +229,7 @@ TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
 TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli][bench]") {
   const TempFolder folder;
   const std::string wait_then_stop =
-      R"("$@" & p=$!; until [ -s "$0" ]; do sleep 0.02; done; kill -TERM $p; wait $p)";
+      R"("$@" & p=$!; until [ -s "$0" ] || ! kill -0 $p; do sleep 0.02; done; kill -TERM $p; wait $p)";
   const ProgramResult run =
       run_program("/bin/sh", {"-c", wait_then_stop, (folder / "results.json").string(),
                               RAYLAB_BINARY_DIR "/raylab-bench", "rays", kCornell, "--rays", "2000", "--checked",
@@ -280,4 +280,33 @@ TEST_CASE("raylab-bench report draws the same files from the same results", "[cl
   REQUIRE(raylab_bench({"report", folder.path().string()}).exit_code == 0);
   CHECK(read_text(folder / "rays-cornell.svg") == chart);
   CHECK(read_text(folder / "index.html") == page);
+}
+
+TEST_CASE("report.py tells a row that does not conform to the schema by its place and field", "[cli][bench]") {
+  const TempFolder folder;
+  const auto report = [&](const std::string& fields) {
+    write_text(folder / "results.json",
+               R"({"machine": {}, "rows": [{"suite": "rays"}, {"suite": "ladder")" + fields + "}]}");
+    return run_program("/bin/sh", {"-c", R"(for python in python3 /usr/bin/python3; do
+                                              $python -c 'import matplotlib' 2> /dev/null && exec $python "$@"
+                                            done; exit 127)",
+                                   "sh", RAYLAB_SOURCE_DIR "/bench/report/report.py", folder.path().string()});
+  };
+  if (report("").exit_code == 127) {
+    WARN("left out: python3-matplotlib is not installed");
+    return;
+  }
+  const std::pair<const char*, const char*> faults[] = {
+      {R"(, "thread": 1)", "rows[1]: thread: no field of the schema"},
+      {R"(, "threads": "two")", "rows[1]: threads: expected integer"},
+      {R"(, "bytes": true)", "rows[1]: bytes: expected integer"},
+      {R"(, "spp": 1)", "rows[1]: spp: no field of the suite ladder"},
+      {R"(, "mrays_per_second": {"median": 1})", "rows[1]: mrays_per_second: expected number for each of median"},
+      {R"(, "scene": "box")", "rows[1]: lacks the field step"}};
+  for (const auto& [fields, message] : faults) {
+    const ProgramResult run = report(fields);
+    INFO(run.err);
+    CHECK(run.exit_code == 3);
+    CHECK(run.err.find("results.json: " + std::string(message)) != std::string::npos);
+  }
 }

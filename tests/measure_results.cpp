@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "catch.hpp"
 #include "expect_error.hpp"
@@ -14,7 +15,11 @@ using namespace raylab::test;
 namespace {
 
 Row row(const std::string& accel, double speed) {
-  return {{"suite", "rays"}, {"scene", "box"}, {"accel", accel}, {"mrays_per_second", {{"median", speed}}}};
+  return {{"suite", "rays"},
+          {"scene", "box"},
+          {"accel", accel},
+          {"bytes", 240},
+          {"mrays_per_second", {{"median", speed}, {"min", speed}, {"max", speed}}}};
 }
 
 }  // namespace
@@ -73,14 +78,54 @@ TEST_CASE("the key of a row is what it measures, not what came out", "[unit][mea
   CHECK(row_key(row("bvh", 1.0)) != row_key(other));
 }
 
-TEST_CASE("CSV has a column for each field, empty where a row has none, and quotes what needs it",
-          "[unit][measure]") {
-  Row first = row("bvh", 2.5);
-  Row second{{"suite", "build"}, {"scene", "a \"b\", c"}, {"bytes", 12}};
+TEST_CASE(
+    "CSV has a column for each field in the order of the schema, empty where a row has none, and quotes what "
+    "needs it",
+    "[unit][measure]") {
+  const Row first = row("bvh", 2.5);
+  const Row second{{"leaks", 12}, {"suite", "scale"}, {"scene", "a \"b\", c"}};
   CHECK(to_csv({first, second}) ==
-        "suite,scene,bytes,accel,mrays_per_second.median\r\n"
-        "rays,box,,bvh,2.5\r\n"
-        "build,\"a \"\"b\"\", c\",12,,\r\n");
+        "suite,scene,accel,bytes,mrays_per_second.median,mrays_per_second.min,mrays_per_second.max,leaks\r\n"
+        "rays,box,bvh,240,2.5,2.5,2.5,\r\n"
+        "scale,\"a \"\"b\"\", c\",,,,,,12\r\n");
+}
+
+TEST_CASE("a row that does not conform to the schema is told by its field", "[unit][measure]") {
+  const auto fault_with = [](const char* field, const Row& value) {
+    Row r = row("bvh", 2.5);
+    r[field] = value;
+    return row_fault(r);
+  };
+  CHECK(row_fault(row("bvh", 2.5)) == "");
+  CHECK(fault_with("sah_cost", 3) == "");
+  CHECK(fault_with("Scene", "box") == "Scene: no field of the schema");
+  CHECK(fault_with("bytes", 2.5) == "bytes: expected an integer");
+  CHECK(fault_with("bytes", true) == "bytes: expected an integer");
+  CHECK(fault_with("scene", 7) == "scene: expected a string");
+  CHECK(fault_with("sah_cost", nullptr) == "sah_cost: expected a number");
+  CHECK(fault_with("compact", 1) == "compact: expected true or false");
+  CHECK(fault_with("mrays_per_second", 2.5) == "mrays_per_second: expected a number for each of median, min, max");
+  CHECK(fault_with("mrays_per_second", {{"median", 2.5}}) ==
+        "mrays_per_second: expected a number for each of median, min, max");
+  CHECK(fault_with("spp", 16) == "spp: no field of the suite \"rays\"");
+  CHECK(row_fault({{"scene", "box"}}) == "suite: expected a string");
+}
+
+TEST_CASE("a number that is not finite is left out of its row", "[unit][measure]") {
+  const TempFolder folder;
+  Row measured = row("bvh", 2.5);
+  measured["sah_cost"] = std::numeric_limits<double>::quiet_NaN();
+  Row speedless = row("list", std::numeric_limits<double>::infinity());
+  ResultsFolder(folder.path(), "rays", "command").add({measured, speedless});
+  speedless.erase("mrays_per_second");
+  CHECK(read_results(folder.path()).rows == std::vector<Row>{row("bvh", 2.5), speedless});
+}
+
+TEST_CASE("the shipped results conform to the schema, and their CSV is that of their rows", "[unit][measure]") {
+  const std::string folder = RAYLAB_SOURCE_DIR "/bench/results";
+  const Results shipped = read_results(folder);
+  CHECK(shipped.rows.size() > 500);
+  CHECK(read_text(folder + "/results.csv") == to_csv(shipped.rows));
 }
 
 TEST_CASE("results.json that is cut off is refused with the place where it ends", "[unit][measure]") {
@@ -108,7 +153,9 @@ TEST_CASE("results.json that holds something else is refused with the place insi
   refused("{\"rows\": []}", "machine: expected an object");
   refused("{\"machine\": {}}", "rows: expected an array");
   refused("{\"machine\": {}, \"rows\": [{\"suite\": \"rays\"}, 7]}", "rows[1]: expected an object");
-  refused("{\"machine\": {}, \"rows\": [{\"scene\": \"box\"}]}", "rows[0]: expected a text \"suite\"");
+  refused("{\"machine\": {}, \"rows\": [{\"scene\": \"box\"}]}", "rows[0]: suite: expected a string");
+  refused("{\"machine\": {}, \"rows\": [{\"suite\": \"rays\", \"threads\": \"two\"}]}",
+          "rows[0]: threads: expected an integer");
   expect_error(ErrorKind::input, (folder / "absent/results.json").string(), {"cannot be read"},
                [&] { (void)read_results(folder / "absent"); });
 }

@@ -111,8 +111,7 @@ void add_fields(Row& row, const RenderOptions& options) {
 
 void add_fields(Row& row, const RunErrors& errors, const Reference& reference) {
   row["relmse"] = errors.relmse;
-  // JSON has no infinity: what one run does not tell is absent.
-  if (std::isfinite(errors.relmse_error)) row["relmse_error"] = errors.relmse_error;
+  row["relmse_error"] = errors.relmse_error;
   row["relmse_trimmed"] = errors.relmse_trimmed;
   row["mean_ratio"] = errors.mean_ratio;
   row["mean_ratio_error"] = errors.mean_ratio_error;

@@ -7,7 +7,6 @@ Called by `raylab-bench report DIR`. Needs matplotlib (Debian package python3-ma
 """
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import needs_charts  # noqa: E402
 import page  # noqa: E402
 import rays_charts  # noqa: E402
 import render_charts  # noqa: E402
+import rows  # noqa: E402
 import scale_charts  # noqa: E402
 import style  # noqa: E402
 
@@ -29,24 +29,22 @@ def main():
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--png", action="store_true", help="also as PNG")
     options = parser.parse_args()
-    try:
-        results = json.loads((options.folder / "results.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        print(f"report.py: {options.folder / 'results.json'}: {error}", file=sys.stderr)
-        return 3
+    file = options.folder / "results.json"
     shown = []
     try:
+        results = rows.read_results(file)
         for suite in SUITES:
             for name, caption, figure in suite.charts(results):
                 style.save(figure, options.folder, name, options.png)
                 shown.append((name, caption))
-        page.write(options.folder, results, shown, list(render_charts.pictures(results)), ladder_charts.tables(results) + needs_charts.tables(results))
-    except KeyError as error:
-        print(f"report.py: {options.folder / 'results.json'}: a row lacks the field {error}", file=sys.stderr)
+        page.write(options.folder, results, shown, list(render_charts.pictures(results)),
+                   [part for suite in SUITES if hasattr(suite, "tables") for part in suite.tables(results)])
+    except (rows.RowError, ValueError) as error:
+        print(f"report.py: {file}: {error}", file=sys.stderr)
         return 3
     except OSError as error:
         print(f"report.py: {error}", file=sys.stderr)
-        return 4
+        return 3 if error.filename == str(file) else 4
     print(options.folder / "index.html")
     return 0
 

@@ -1,14 +1,14 @@
 #include "raylab/measure/results.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <ctime>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <string_view>
 
 #include "raylab/core/atomic_file.hpp"
+#include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
 
 namespace raylab {
@@ -19,12 +19,6 @@ namespace {
 
 constexpr const char* kJsonName = "results.json";
 constexpr const char* kCsvName = "results.csv";
-
-// The fields that say what a row measures; all others say what came out.
-constexpr std::array kKeyFields{"suite",     "scene",   "family",     "renderer", "accel",         "intersector",
-                                "quality",   "compact", "integrator", "sampler",  "needs",         "rays",
-                                "step",      "threads", "triangles",  "width",    "height",        "spp",
-                                "max_depth", "segment", "question",   "case",     "target_relmse", "value"};
 
 std::string utc_date() {
   const std::time_t now = std::time(nullptr);
@@ -56,31 +50,30 @@ void expect(bool condition, const fs::path& file, const std::string& where, cons
   if (!condition) throw Error(ErrorKind::input, file.string(), where + ": expected " + expected);
 }
 
-void check_rows(const Row& rows, const fs::path& file, const std::string& name) {
-  expect(rows.is_array(), file, name, "an array");
+void check_rows(const Row& rows, const fs::path& file) {
+  expect(rows.is_array(), file, "rows", "an array");
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string where = name + "[" + std::to_string(i) + "]";
-    expect(rows[i].is_object(), file, where, "an object");
-    expect(rows[i].contains("suite") && rows[i]["suite"].is_string(), file, where, "a text \"suite\"");
+    const std::string fault = row_fault(rows[i]);
+    if (!fault.empty()) throw Error(ErrorKind::input, file.string(), "rows[" + std::to_string(i) + "]: " + fault);
   }
 }
 
-/// Fields of a row with those of objects in it, by name.
-std::vector<std::pair<std::string, Row>> flattened(const Row& row) {
-  std::vector<std::pair<std::string, Row>> fields;
+bool is_finite(const Row& value) {
+  if (value.is_object()) return std::all_of(value.begin(), value.end(), is_finite);
+  return !value.is_number_float() || std::isfinite(value.get<double>());
+}
+
+Row without_infinities(const Row& row) {
+  Row finite;
   for (const auto& [name, value] : row.items()) {
-    if (value.is_object()) {
-      for (const auto& [inner, x] : value.items()) fields.emplace_back(name + "." + inner, x);
-    } else {
-      fields.emplace_back(name, value);
-    }
+    if (is_finite(value)) finite[name] = value;
   }
-  return fields;
+  return finite;
 }
 
-/// Whether rows of before there was a choice of quality mean the same without the field: all were balanced, but
-/// for steps of the ladder, whose name says it.
-bool is_implied(const Row& row, std::string_view field) {
+/// Whether a row without the field means the same, as rows do that were measured before there was a choice of
+/// quality: all were balanced, but for steps of the ladder, whose name says it.
+bool is_implied(const Row& row, const std::string& field) {
   return field == "quality" && (row[field] == "balanced" || row.contains("step"));
 }
 
@@ -96,10 +89,10 @@ std::string csv_cell(const Row& value) {
 
 std::string row_key(const Row& row) {
   std::string key;
-  for (const char* field : kKeyFields) {
-    if (!row.contains(field) || is_implied(row, field)) continue;
+  for (const RowField& field : row_fields()) {
+    if (!field.is_key || !row.contains(field.name) || is_implied(row, field.name)) continue;
     if (!key.empty()) key += ' ';
-    key.append(field).append("=").append(csv_cell(row[field]));
+    key.append(field.name).append("=").append(csv_cell(row[field.name]));
   }
   return key;
 }
@@ -113,40 +106,40 @@ Results read_results(const fs::path& folder) {
   expect(document.is_object(), file, "the document", "an object with \"machine\" and \"rows\"");
   expect(document.contains("machine") && document["machine"].is_object(), file, "machine", "an object");
   expect(document.contains("rows"), file, "rows", "an array");
-  check_rows(document["rows"], file, "rows");
+  check_rows(document["rows"], file);
   Results results{document["machine"], {}, document["rows"]};
   if (document.contains("runs")) {
-    check_rows(document["runs"], file, "runs");
+    const Row& runs = document["runs"];
+    expect(runs.is_array() && std::all_of(runs.begin(), runs.end(), [](const Row& r) { return r.is_object(); }),
+           file, "runs", "an array of objects");
     results.runs = document["runs"].get<std::vector<Row>>();
   }
   return results;
 }
 
 std::string to_csv(const std::vector<Row>& rows) {
-  std::vector<std::string> columns;
-  for (const Row& row : rows) {
-    std::size_t after = 0;  // new columns go beside their neighbours in the row, not to the end
-    for (const auto& [name, value] : flattened(row)) {
-      auto column = std::find(columns.begin(), columns.end(), name);
-      if (column == columns.end())
-        column = columns.insert(columns.begin() + static_cast<std::ptrdiff_t>(after), name);
-      after = static_cast<std::size_t>(column - columns.begin()) + 1;
-    }
+  std::vector<Row::json_pointer> columns;
+  std::string csv;
+  const auto add_cell = [&](std::size_t column, const std::string& cell) {
+    csv += (column > 0 ? "," : "") + cell;
+  };
+  const auto add_column = [&](const std::string& name, const Row::json_pointer& place) {
+    add_cell(columns.size(), name);
+    columns.push_back(place);
+  };
+  for (const RowField& field : row_fields()) {
+    if (std::none_of(rows.begin(), rows.end(), [&](const Row& row) { return row.contains(field.name); })) continue;
+    const auto place = Row::json_pointer() / field.name;
+    if (field.parts.empty()) add_column(field.name, place);
+    for (const std::string& part : field.parts) add_column(field.name + "." + part, place / part);
   }
-  std::ostringstream csv;
-  for (std::size_t i = 0; i < columns.size(); ++i) csv << (i > 0 ? "," : "") << columns[i];
-  csv << "\r\n";
+  csv += "\r\n";
   for (const Row& row : rows) {
-    const auto fields = flattened(row);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) csv << ",";
-      const auto field =
-          std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.first == columns[i]; });
-      if (field != fields.end()) csv << csv_cell(field->second);
-    }
-    csv << "\r\n";
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      add_cell(i, row.contains(columns[i]) ? csv_cell(row[columns[i]]) : "");
+    csv += "\r\n";
   }
-  return csv.str();
+  return csv;
 }
 
 ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const std::string& command)
@@ -167,7 +160,10 @@ ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const st
 }
 
 void ResultsFolder::add(const std::vector<Row>& rows) {
-  for (const Row& row : rows) {
+  for (const Row& measured : rows) {
+    const Row row = without_infinities(measured);
+    if (const std::string fault = row_fault(row); !fault.empty())
+      detail::check_failed((row.dump() + ": " + fault).c_str(), __FILE__, __LINE__);
     const std::string key = row_key(row);
     const auto old =
         std::find_if(results_.rows.begin(), results_.rows.end(), [&](const Row& r) { return row_key(r) == key; });

@@ -1,15 +1,12 @@
 #pragma once
 // Measurement rows and the folder they are kept in: results.json, and the same rows as results.csv.
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-namespace raylab {
+#include "raylab/measure/row_schema.hpp"
 
-/// One measurement: an object of numbers, texts, and objects of numbers such as {"median", "min", "max"}. `suite`
-/// is always there; a field that does not apply is absent.
-using Row = nlohmann::ordered_json;
+namespace raylab {
 
 /// Everything measured on one machine.
 struct Results {
@@ -28,10 +25,11 @@ bool same_machine(const Row& a, const Row& b);
 std::string row_key(const Row& row);
 
 /// Reads results.json of the folder. Throws Error (input) with file:line:column for broken JSON, and with the
-/// place inside the document for what is not in it as it should be.
+/// place inside the document, row and field, for what does not conform to the schema.
 Results read_results(const std::filesystem::path& folder);
 
-/// The rows as CSV (RFC 4180), a column for each field; fields of objects as `mrays_per_second.median`.
+/// The rows as CSV (RFC 4180), a column for each field that any of them has, in the order of the schema; parts of
+/// a field as `mrays_per_second.median`.
 std::string to_csv(const std::vector<Row>& rows);
 
 /// The results of a folder while they are added to. What is there already stays, except that a row takes the place
@@ -43,6 +41,8 @@ class ResultsFolder {
   /// the results of another machine.
   ResultsFolder(std::filesystem::path folder, const std::string& suite, const std::string& command);
 
+  /// Rows that conform to the schema, which is an invariant. A number that is not finite, which JSON does not
+  /// have, is left out.
   void add(const std::vector<Row>& rows);
 
   /// Notes that the run came to its end.
