@@ -203,6 +203,66 @@ TEST_CASE("raylab-bench ladder measures each step from the book's tree to bvh, a
   }
 }
 
+TEST_CASE("raylab-bench process measures whole renders, and what all needs cost beside what the scene needs",
+          "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run =
+      raylab_bench({"process", kCornell, "--width", "16", "--spp", "2", "--repeats", "2", "--needs", "all,scene",
+                    "--accel", "bvh,embree", "--set", "render.max_depth=3", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  REQUIRE(results.rows.size() == 4);
+  CHECK(rows_where(results, "needs", "all").size() == 2);
+  for (const Row& row : results.rows) {
+    INFO(row.dump());
+    const double parts = row["load_seconds"]["min"].get<double>() + row["build_seconds_min"].get<double>() +
+                         row["seconds_min"].get<double>();
+    CHECK(parts > 0.0);
+    CHECK(row["process_seconds"]["max"].get<double>() > parts);
+    CHECK(row["estimated_relmse"].get<double>() > 0.0);
+    CHECK(row["overrides"] == "render.max_depth=3");
+    CHECK(row["max_depth"] == 3);
+    CHECK(row["runs"] == 2);
+    CHECK(row.contains("seconds_ratio") == row.contains("needs"));
+    if (row.contains("needs")) CHECK(row["different_pixels"] == 0);
+  }
+}
+
+TEST_CASE("raylab-bench threads measures threads beside processes that share nothing", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench({"threads", kCornell, "--width", "16", "--spp", "2", "--repeats", "1",
+                                          "--threads", "2", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const std::vector<Row> rows = read_results(folder.path()).rows;
+  REQUIRE(rows.size() == 3);
+  const std::pair<int, int> expected[] = {{1, 1}, {1, 2}, {2, 1}};  // processes, threads of each
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CHECK(rows[i]["processes"] == expected[i].first);
+    CHECK(rows[i]["threads"] == expected[i].second);
+    CHECK(rows[i]["speedup"]["median"].get<double>() ==
+          Approx(expected[i].first * rows[0]["seconds"].get<double>() / rows[i]["seconds"].get<double>()));
+  }
+}
+
+TEST_CASE("raylab-bench profile tells the accelerator's share of a render", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench(
+      {"profile", kCornell, "--width", "32", "--spp", "4", "--repeats", "1", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const std::vector<Row> rows = read_results(folder.path()).rows;
+  REQUIRE(rows.size() == 1);
+  const auto median = [&](const char* field) { return rows[0][field]["median"].get<double>(); };
+  CHECK(median("intersect_seconds") > 0.0);
+  CHECK(median("occluded_seconds") > 0.0);
+  CHECK(median("accelerator_share") < 1.0);
+  CHECK(median("accelerator_share") ==
+        Approx((median("intersect_seconds") + median("occluded_seconds")) / rows[0]["seconds"].get<double>()));
+  CHECK(rows[0]["estimated_relmse"].get<double>() > 0.0);
+}
+
 TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
   const TempFolder folder;
   const auto results = [](double speed) {
@@ -254,6 +314,8 @@ TEST_CASE("raylab-bench tells bad input by its place, and exits as documented", 
   expect_failure({"rays", kCornell, "--intersector", "magic", "--out", out}, 2, "magic");
   expect_failure({"render", kCornell, "--sampler", "magic", "--out", out}, 2, "magic");
   expect_failure({"scale", "--family", "magic", "--out", out}, 2, "magic");
+  expect_failure({"process", "absent.toml", "--out", out}, 3, "absent.toml");
+  expect_failure({"threads", kCornell, "--render-program", "/absent", "--out", out}, 2, "there is no /absent");
   write_text(folder / "file", "");
   expect_failure({"rays", kCornell, "--out", (folder / "file").string()}, 4, "cannot be made");
   expect_failure({"report", (folder / "absent").string()}, 3, "results.json: cannot be read");
@@ -265,6 +327,11 @@ TEST_CASE("raylab-bench tells bad input by its place, and exits as documented", 
 TEST_CASE("raylab-bench report draws the same files from the same results", "[cli][bench]") {
   const TempFolder folder;
   REQUIRE(raylab_bench(quick_rays(folder.path())).exit_code == 0);
+  for (const char* suite : {"process", "threads", "profile"}) {
+    REQUIRE(raylab_bench(
+                {suite, kCornell, "--width", "8", "--spp", "2", "--repeats", "1", "--out", folder.path().string()})
+                .exit_code == 0);
+  }
   const ProgramResult run = raylab_bench({"report", folder.path().string()});
   if (run.err.find("no python3 with matplotlib") != std::string::npos) {
     CHECK(run.exit_code == 1);
@@ -277,6 +344,8 @@ TEST_CASE("raylab-bench report draws the same files from the same results", "[cl
   const std::string chart = read_text(folder / "rays-cornell.svg");
   CHECK(page.find("rays-cornell.svg") != std::string::npos);
   CHECK(page.find("raylab-bench rays") != std::string::npos);
+  for (const char* part : {"process.svg", "profile.svg", "Speed-up with threads"})
+    CHECK(page.find(part) != std::string::npos);
   REQUIRE(raylab_bench({"report", folder.path().string()}).exit_code == 0);
   CHECK(read_text(folder / "rays-cornell.svg") == chart);
   CHECK(read_text(folder / "index.html") == page);

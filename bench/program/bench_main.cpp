@@ -121,6 +121,59 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
   return command;
 }
 
+/// Options of the suites that render at full size.
+template <class Options>
+void add_size(CLI::App& command, Options& options) {
+  command.add_option("scene", options.scenes, "Scene files")->required();
+  add_common(command, options);
+  add_choice(command, options, "(default: bvh, its default test)");
+  command.add_option("--width", options.width, "Picture width in pixels; 0: the scene's")
+      ->check(CLI::Range(0, 65536))
+      ->capture_default_str();
+  command.add_option("--spp", options.spp, "Samples per pixel; 0: the scene's")
+      ->check(CLI::Range(0, 1 << 24))
+      ->capture_default_str();
+}
+
+/// Options of the suites that run raylab-render.
+void add_render_process(CLI::App& command, ProcessOptions& options) {
+  add_size(command, options);
+  command.add_option("--threads", options.threads, "Threads for building and rendering; 0: all")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command.add_option("--set", options.overrides, "KEY=VALUE for any key of the scene file; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--render-program", options.render_program,
+                     "The raylab-render to run (default: the one beside this program)");
+}
+
+CLI::App* add_process(CLI::App& app, ProcessOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "process", "Whole processes of raylab-render: seconds of loading, building, rendering, and all together");
+  add_render_process(*command, options);
+  command
+      ->add_option("--needs", options.needs,
+                   "Comma separated: scene (what the scene needs), all; both are compared with one another")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"scene", "all"}))
+      ->capture_default_str();
+  return command;
+}
+
+CLI::App* add_threads(CLI::App& app, ProcessOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "threads", "Speed-up of a render with threads, beside that of independent processes at the same time");
+  add_render_process(*command, options);
+  return command;
+}
+
+CLI::App* add_profile(CLI::App& app, ProfileOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("profile", "Share of a render's time spent in the accelerator, one thread");
+  add_size(*command, options);
+  return command;
+}
+
 CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
   CLI::App* command =
       app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
@@ -169,15 +222,21 @@ int run(int argc, char** argv) {
   RenderSuiteOptions render_options;
   NeedsOptions needs_options;
   ScaleOptions scale_options;
+  ProcessOptions process_options, threads_options;
+  ProfileOptions profile_options;
   ReportOptions report_options;
   CompareOptions compare_options;
   // A render takes long enough to time well, and its error needs few seeds to be known.
   render_options.repeats = needs_options.repeats = 3;
+  process_options.repeats = profile_options.repeats = 3;
   const CLI::App* rays_command = add_rays(app, rays_options);
   const CLI::App* ladder_command = add_ladder(app, ladder_options);
   const CLI::App* render_command = add_render(app, render_options);
   const CLI::App* scale_command = add_scale(app, scale_options);
   const CLI::App* needs_command = add_needs(app, needs_options);
+  const CLI::App* process_command = add_process(app, process_options);
+  const CLI::App* threads_command = add_threads(app, threads_options);
+  const CLI::App* profile_command = add_profile(app, profile_options);
   const CLI::App* report_command = add_report(app, report_options);
   const CLI::App* compare_command = add_compare(app, compare_options);
   int exit_code = 0;
@@ -186,7 +245,8 @@ int run(int argc, char** argv) {
   for (CommonOptions* o :
        {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
         static_cast<CommonOptions*>(&render_options), static_cast<CommonOptions*>(&needs_options),
-        static_cast<CommonOptions*>(&scale_options)}) {
+        static_cast<CommonOptions*>(&scale_options), static_cast<CommonOptions*>(&process_options),
+        static_cast<CommonOptions*>(&threads_options), static_cast<CommonOptions*>(&profile_options)}) {
     o->command_line = line;
   }
   if (*rays_command) return rays(rays_options);
@@ -194,6 +254,9 @@ int run(int argc, char** argv) {
   if (*render_command) return bench::render(render_options);
   if (*scale_command) return bench::scale(scale_options);
   if (*needs_command) return needs(needs_options);
+  if (*process_command) return process(process_options);
+  if (*threads_command) return threads(threads_options);
+  if (*profile_command) return bench::profile(profile_options);
   if (*report_command) return report(report_options);
   if (*compare_command) return compare(compare_options);
   return 0;

@@ -49,6 +49,21 @@ struct ScaleOptions : CommonOptions {
   std::size_t checked = 2000;
 };
 
+/// Of the suites that run raylab-render.
+struct ProcessOptions : CommonOptions {
+  std::vector<std::string> needs{"scene"};  ///< as --needs of raylab-render; of the suite process alone
+  std::vector<std::string> overrides;       ///< as --set of raylab-render
+  int width = 0;                            ///< 0: the scene's
+  int spp = 0;                              ///< 0: the scene's
+  int threads = 0;                          ///< 0: all
+  std::string render_program;               ///< empty: raylab-render beside this program
+};
+
+struct ProfileOptions : CommonOptions {
+  int width = 0;  ///< 0: the scene's
+  int spp = 0;    ///< 0: the scene's
+};
+
 struct ReportOptions {
   std::string folder;
   std::string python;  ///< empty: found
@@ -67,5 +82,8 @@ int report(const ReportOptions& options);
 int scale(const ScaleOptions& options);
 int needs(const NeedsOptions& options);
 int render(const RenderSuiteOptions& options);
+int process(const ProcessOptions& options);
+int threads(const ProcessOptions& options);
+int profile(const ProfileOptions& options);
 
 }  // namespace raylab::bench

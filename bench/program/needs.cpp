@@ -263,10 +263,8 @@ void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) 
   if (!kept) suite_.note(scene_.name + ": the error was not kept; raise --reference-spp or --target-error");
   const std::string lines =
       format("[render]\nsamples_per_pixel = %d\nmax_depth = %d", choice.spp, choice.max_depth);
-  std::string command = "raylab-render " + file_ + " --accel " + choice.variant.accel;
-  if (!choice.variant.intersector.empty()) command += " --intersector " + choice.variant.intersector;
-  if (choice.variant.quality) command += " --quality " + std::string(quality_name(*choice.variant.quality));
-  if (choice.variant.compact) command += " --compact";
+  std::string command = "raylab-render " + file_;
+  for (const std::string& argument : choice.variant.arguments()) command += " " + argument;
   command += " --integrator " + std::string(integrator_name(choice.integrator)) + " --sampler " +
              std::string(sampler_name(choice.sampler));
   if (choice.everything) command += " --needs all";

@@ -37,9 +37,7 @@ std::vector<Way> ways_of(const RenderSuiteOptions& options) {
   const auto or_default = [](const std::vector<std::string>& given, const char* usual) {
     return given.empty() ? std::vector<std::string>{usual} : given;
   };
-  CommonOptions named = options;
-  named.accels = or_default(options.accels, kDefaultAccelerator);
-  for (const Variant& variant : variants(named, false)) {
+  for (const Variant& variant : variants_or_default(options)) {
     for (const std::string& integrator : or_default(options.integrators, "path")) {
       for (const std::string& sampler : or_default(options.samplers, "sobol")) {
         ways.push_back({variant, integrator, sampler});
@@ -193,17 +191,6 @@ void measure_mitsuba(Suite& suite, const Stage& stage) {
     suite.check();
   }
   add_time_to_error(stage, suite, row, points);
-}
-
-/// Pixels of which a channel differs by more than what a half-precision file rounds away.
-std::size_t different_pixels(const Image& image, const Image& expected) {
-  constexpr float kSame = 1e-3f;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const Rgb difference = glm::abs(image.pixels[i] - expected.pixels[i]);
-    count += glm::any(glm::greaterThan(difference, kSame * glm::abs(expected.pixels[i]))) ? 1 : 0;
-  }
-  return count;
 }
 
 /// Pictures of the accelerators at equal random numbers: where do they differ, and by how much?

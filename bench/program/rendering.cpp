@@ -65,7 +65,8 @@ Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accele
   const double cpu_seconds = cpu.seconds();
   suite.advance(work_of(options));
   const RenderStats stats = session.stats();
-  return {session.snapshot().image(), stats.seconds, cpu_seconds, stats.rays};
+  const Film film = session.snapshot();
+  return {film.image(), stats.seconds, cpu_seconds, stats.rays, film.estimated_relmse()};
 }
 
 RenderOptions options_of(const LoadedScene& loaded, int width) {
@@ -98,6 +99,16 @@ Reference reference_of(Suite& suite, const LoadedScene& loaded, const Accelerato
     halves.push_back(cached_picture(suite, loaded.scene, accelerator, o, cache / name));
   }
   return make_reference(halves[0], halves[1]);
+}
+
+std::size_t different_pixels(const Image& image, const Image& expected) {
+  constexpr float kSame = 1e-3f;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const Rgb difference = glm::abs(image.pixels[i] - expected.pixels[i]);
+    count += glm::any(glm::greaterThan(difference, kSame * glm::abs(expected.pixels[i]))) ? 1 : 0;
+  }
+  return count;
 }
 
 void add_fields(Row& row, const RenderOptions& options) {

@@ -13,6 +13,7 @@ struct Rendered {
   double seconds = 0.0;      ///< wall clock, rendering alone
   double cpu_seconds = 0.0;  ///< of all threads
   RayCounts rays;
+  double estimated_relmse = 0.0;  ///< from the variance of the picture's own samples
 };
 
 /// Samples of all pixels: the unit of a suite's progress.
@@ -29,6 +30,9 @@ RenderOptions options_of(const LoadedScene& loaded, int width);
 /// `cache` under the scene's hash and all that it depends on, and taken from there the next time.
 Reference reference_of(Suite& suite, const LoadedScene& loaded, const Accelerator& accelerator,
                        const RenderOptions& options, int spp, const std::filesystem::path& cache);
+
+/// Pixels of which a channel differs by more than 0.1%, which is more than a half-precision file rounds away.
+std::size_t different_pixels(const Image& image, const Image& expected);
 
 /// Fields of a row that the settings of a render give.
 void add_fields(Row& row, const RenderOptions& options);

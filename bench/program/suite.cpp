@@ -53,6 +53,14 @@ AcceleratorOptions Variant::options(int threads) const {
   return options;
 }
 
+std::vector<std::string> Variant::arguments() const {
+  std::vector<std::string> arguments{"--accel", accel};
+  if (!intersector.empty()) arguments.insert(arguments.end(), {"--intersector", intersector});
+  if (quality) arguments.insert(arguments.end(), {"--quality", std::string(quality_name(*quality))});
+  if (compact) arguments.push_back("--compact");
+  return arguments;
+}
+
 std::vector<Variant> variants(const CommonOptions& options, bool all_intersectors) {
   std::vector<std::string> names = options.accels;
   if (names.empty()) {
@@ -78,6 +86,11 @@ std::vector<Variant> variants(const CommonOptions& options, bool all_intersector
     }
   }
   return all;
+}
+
+std::vector<Variant> variants_or_default(CommonOptions options) {
+  if (options.accels.empty()) options.accels = {kDefaultAccelerator};
+  return variants(options, false);
 }
 
 bool is_fit(const Variant& variant, std::size_t primitives) {
@@ -131,11 +144,15 @@ void add_fields(Row& row, const Variant& variant, const Geometry& geometry, cons
   row["triangles"] = geometry.triangle_count();
   row["spheres"] = geometry.spheres.size();
   if (!report.isa.empty()) row["isa"] = report.isa;
-  row["build_seconds"] = built.build_seconds.median;
-  row["build_seconds_min"] = built.build_seconds.min;
-  row["build_seconds_max"] = built.build_seconds.max;
+  add_build_times(row, built.build_seconds);
   row["bytes"] = report.bytes;
   if (report.sah_cost > 0.0) row["sah_cost"] = report.sah_cost;
+}
+
+void add_build_times(Row& row, const Spread& seconds) {
+  row["build_seconds"] = seconds.median;
+  row["build_seconds_min"] = seconds.min;
+  row["build_seconds_max"] = seconds.max;
 }
 
 Row to_row(const Spread& spread) { return {{"median", spread.median}, {"min", spread.min}, {"max", spread.max}}; }

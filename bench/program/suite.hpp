@@ -63,12 +63,16 @@ struct Variant {
 
   std::string name() const;  ///< see variant_name
   AcceleratorOptions options(int threads) const;
+  std::vector<std::string> arguments() const;  ///< of raylab-render, which choose it
 };
 
 /// The accelerators named, or all but the judge, with each of the qualities named, or the default, and each of the
 /// intersectors named, or all, or with `all_intersectors` off the accelerator's default: what it has a choice of.
 /// Throws Error (usage) for unknown names.
 std::vector<Variant> variants(const CommonOptions& options, bool all_intersectors = true);
+
+/// The same, but where no accelerator is named of the default one alone, and of default triangle tests.
+std::vector<Variant> variants_or_default(CommonOptions options);
 
 /// Whether scenes of so many primitives are not too large for it.
 bool is_fit(const Variant& variant, std::size_t primitives);
@@ -90,6 +94,8 @@ void add_fields(Row& row, const Variant& variant);
 std::string variant_name(const Row& row);
 /// The same, and those that the accelerator brings along.
 void add_fields(Row& row, const Variant& variant, const Geometry& geometry, const Built& built);
+
+void add_build_times(Row& row, const Spread& seconds);
 
 Row to_row(const Spread& spread);
 

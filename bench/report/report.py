@@ -15,13 +15,14 @@ sys.dont_write_bytecode = True
 import ladder_charts  # noqa: E402
 import needs_charts  # noqa: E402
 import page  # noqa: E402
+import process_charts  # noqa: E402
 import rays_charts  # noqa: E402
 import render_charts  # noqa: E402
 import rows  # noqa: E402
 import scale_charts  # noqa: E402
 import style  # noqa: E402
 
-SUITES = [rays_charts, ladder_charts, render_charts, scale_charts, needs_charts]
+SUITES = [rays_charts, ladder_charts, render_charts, scale_charts, needs_charts, process_charts]
 
 
 def main():

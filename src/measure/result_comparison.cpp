@@ -63,6 +63,7 @@ class Comparison {
     by_spread("mrays_per_second_batch", Change::slower, Change::faster);
     by_spread("build_seconds", Change::faster, Change::slower);
     by_spread("seconds", Change::faster, Change::slower);
+    by_spread("process_seconds", Change::faster, Change::slower);
     by_spread("bytes", Change::smaller, Change::larger);
     for (const char* field : {"leaks", "false_misses", "false_hits", "wrong_primitives", "wrong", "wrong_batch"}) {
       const auto a = rate_figure(before, field), b = rate_figure(after, field);
