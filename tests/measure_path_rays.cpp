@@ -83,7 +83,7 @@ TEST_CASE("a mesh that shares no edges, and spheres, have no outline rays", "[un
   for (const RaySet& set : outline_ray_sets(geometry, *accelerator, origins, 10, 1)) CHECK(set.rays.empty());
 }
 
-TEST_CASE("queries are timed in turns after a warm-up", "[unit][measure]") {
+TEST_CASE("queries are timed interleaved after a warm-up", "[unit][measure]") {
   /// Writes down who was asked.
   struct Noted final : Accelerator {
     Noted(std::string& log, char name) : log_(log), name_(name) {}
@@ -112,7 +112,7 @@ TEST_CASE("queries are timed in turns after a warm-up", "[unit][measure]") {
 
 TEST_CASE("turns are spread evenly, however many each takes", "[unit]") {
   using Order = std::vector<std::size_t>;
-  CHECK(turn_order(std::vector<int>{2, 2}) == Order{0, 1, 0, 1});
-  CHECK(turn_order(std::vector<int>{1, 6, 2, 3}) == Order{1, 1, 3, 1, 2, 1, 3, 1, 0, 1, 2, 3});
-  CHECK(turn_order({}).empty());
+  CHECK(interleaved_order(std::vector<int>{2, 2}) == Order{0, 1, 0, 1});
+  CHECK(interleaved_order(std::vector<int>{1, 6, 2, 3}) == Order{1, 1, 3, 1, 2, 1, 3, 1, 0, 1, 2, 3});
+  CHECK(interleaved_order({}).empty());
 }

@@ -11,17 +11,17 @@ namespace raylab::bench {
 
 namespace {
 
-// What leaving something out may cost, of the error that is allowed in all.
+// Leaving one thing out may cost this share of the error that is allowed in all.
 constexpr double kShare = 0.1;
-// Segments that stand for all of them: roulette ends paths long before.
+// So many segments stand for all of them, since roulette ends paths long before.
 constexpr int kAllSegments = 256;
 
-/// What to render with.
-struct Choice {
+/// What a scene is rendered with.
+struct Configuration {
   Variant variant{kDefaultAccelerator, "watertight", BuildQuality::balanced};
   IntegratorKind integrator = IntegratorKind::path;
   SamplerKind sampler = SamplerKind::sobol;
-  bool everything = false;  ///< all needs on: a sky of one colour is then sampled as a light
+  bool all_needs = false;  ///< a sky of one colour is then sampled as a light
   int max_depth = 0;
   int spp = 0;
 };
@@ -32,26 +32,26 @@ struct Cost {
   double median() const { return spread_of(seconds).median; }
 };
 
-/// One scene with what is measured on it.
-class Study {
+/// Measures one scene, and reports it row by row.
+class SceneMeasurement {
  public:
-  Study(Suite& suite, const LoadedScene& loaded, const std::string& file, const NeedsOptions& options)
+  SceneMeasurement(Suite& suite, const LoadedScene& loaded, const std::string& file, const NeedsOptions& options)
       : suite_(suite), loaded_(loaded), scene_(loaded.scene), file_(file), options_(options) {}
 
   void run();
 
  private:
   Row row(const char* question) const;
-  RenderOptions options_for(const Choice& choice, std::uint32_t run) const;
-  Cost measure(const Choice& choice, const Accelerator& accelerator) const;
-  void add_choice(Row& row, const Choice& choice) const;
+  RenderOptions options_for(const Configuration& configuration, std::uint32_t run) const;
+  Cost measure(const Configuration& configuration, const Accelerator& accelerator) const;
+  void add_configuration(Row& row, const Configuration& configuration) const;
 
-  void tell_uses() const;
-  int choose_depth(const Choice& choice, const Accelerator& accelerator) const;
-  void tell_energy(const Choice& choice, const Accelerator& accelerator) const;
-  Choice choose_strategy(Choice choice, const Accelerator& accelerator) const;
-  Built choose_accelerator(Choice& choice) const;
-  void tell_cheapest(Choice choice, const Built& built, const Cost& first) const;
+  void report_uses() const;
+  int choose_depth(const Configuration& configuration, const Accelerator& accelerator) const;
+  void report_energy(const Configuration& configuration, const Accelerator& accelerator) const;
+  Configuration choose_strategy(Configuration configuration, const Accelerator& accelerator) const;
+  Built choose_accelerator(Configuration& configuration) const;
+  void report_cheapest(Configuration configuration, const Built& built, const Cost& first) const;
 
   Suite& suite_;
   const LoadedScene& loaded_;
@@ -61,26 +61,26 @@ class Study {
   Reference reference_;
 };
 
-Row Study::row(const char* question) const {
+Row SceneMeasurement::row(const char* question) const {
   return {{"suite", "needs"}, {"scene", scene_.name}, {"question", question}};
 }
 
-RenderOptions Study::options_for(const Choice& choice, std::uint32_t run) const {
+RenderOptions SceneMeasurement::options_for(const Configuration& configuration, std::uint32_t run) const {
   RenderOptions o = options_of(loaded_, options_.width);
-  o.integrator.kind = choice.integrator;
-  o.integrator.max_depth = choice.max_depth;
-  o.sampler = choice.sampler;
-  o.samples_per_pixel = static_cast<std::uint32_t>(choice.spp);
+  o.integrator.kind = configuration.integrator;
+  o.integrator.max_depth = configuration.max_depth;
+  o.sampler = configuration.sampler;
+  o.samples_per_pixel = static_cast<std::uint32_t>(configuration.spp);
   o.seed = options_.seed + 1 + run;
-  if (choice.everything) o.needs = all_needs();
+  if (configuration.all_needs) o.needs = raylab::all_needs();
   return o;
 }
 
-Cost Study::measure(const Choice& choice, const Accelerator& accelerator) const {
+Cost SceneMeasurement::measure(const Configuration& configuration, const Accelerator& accelerator) const {
   Cost cost;
   std::vector<ImageError> errors;
   for (int run = 0; run < options_.repeats; ++run) {
-    const RenderOptions o = options_for(choice, static_cast<std::uint32_t>(run));
+    const RenderOptions o = options_for(configuration, static_cast<std::uint32_t>(run));
     suite_.expect(work_of(o));
     const Rendered rendered = render_once(suite_, scene_, accelerator, o);
     cost.seconds.push_back(rendered.seconds);
@@ -90,13 +90,13 @@ Cost Study::measure(const Choice& choice, const Accelerator& accelerator) const 
   return cost;
 }
 
-void Study::add_choice(Row& row, const Choice& choice) const {
-  add_fields(row, choice.variant);
-  add_fields(row, options_for(choice, 0));
-  if (choice.everything) row["needs"] = "all";
+void SceneMeasurement::add_configuration(Row& row, const Configuration& configuration) const {
+  add_fields(row, configuration.variant);
+  add_fields(row, options_for(configuration, 0));
+  if (configuration.all_needs) row["needs"] = "all";
 }
 
-void Study::tell_uses() const {
+void SceneMeasurement::report_uses() const {
   Row uses = row("uses");
   uses["uses"] = describe(scene_needs(scene_));
   uses["triangles"] = scene_.geometry.triangle_count();
@@ -114,11 +114,11 @@ double luminance_sum(const Image& image) {
   return sum;
 }
 
-/// The light that arrives by paths of so many segments and fewer. Equal random numbers: what a shorter path finds,
-/// a longer one finds too.
-void Study::tell_energy(const Choice& choice, const Accelerator& accelerator) const {
+/// Reports how much light arrives by paths of so many segments and fewer. All of them have equal random numbers,
+/// so that what a shorter path finds, a longer one finds too.
+void SceneMeasurement::report_energy(const Configuration& configuration, const Accelerator& accelerator) const {
   const auto energy = [&](int segments) {
-    Choice c = choice;
+    Configuration c = configuration;
     c.max_depth = segments;
     const RenderOptions o = options_for(c, 0);
     suite_.expect(work_of(o));
@@ -147,10 +147,11 @@ void Study::tell_energy(const Choice& choice, const Accelerator& accelerator) co
   }
 }
 
-/// The fewest segments whose picture is within its share of the error of that with as many as the file says.
-int Study::choose_depth(const Choice& choice, const Accelerator& accelerator) const {
+/// Returns the fewest segments whose picture is within its share of the error of that with as many as the file
+/// says.
+int SceneMeasurement::choose_depth(const Configuration& configuration, const Accelerator& accelerator) const {
   const auto picture = [&](int segments) {
-    Choice c = choice;
+    Configuration c = configuration;
     c.max_depth = segments;
     const RenderOptions o = options_for(c, 0);
     suite_.expect(work_of(o));
@@ -167,32 +168,33 @@ int Study::choose_depth(const Choice& choice, const Accelerator& accelerator) co
   return enough;
 }
 
-Choice Study::choose_strategy(Choice choice, const Accelerator& accelerator) const {
-  Choice best = choice;
+Configuration SceneMeasurement::choose_strategy(Configuration configuration,
+                                                const Accelerator& accelerator) const {
+  Configuration best = configuration;
   double least = kInfinity;
   const bool sky = !scene_.environment.is_black();
   for (const IntegratorKind integrator : {IntegratorKind::path, IntegratorKind::book}) {
     for (const SamplerKind sampler : {SamplerKind::sobol, SamplerKind::independent}) {
-      for (const bool everything : {false, true}) {
-        if (everything && (!sky || integrator == IntegratorKind::book)) continue;
-        choice.integrator = integrator;
-        choice.sampler = sampler;
-        choice.everything = everything;
-        const Cost cost = measure(choice, accelerator);
+      for (const bool all_needs : {false, true}) {
+        if (all_needs && (!sky || integrator == IntegratorKind::book)) continue;
+        configuration.integrator = integrator;
+        configuration.sampler = sampler;
+        configuration.all_needs = all_needs;
+        const Cost cost = measure(configuration, accelerator);
         Row r = row("strategy");
-        add_choice(r, choice);
-        add_times(r, cost.seconds, work_of(options_for(choice, 0)));
+        add_configuration(r, configuration);
+        add_times(r, cost.seconds, work_of(options_for(configuration, 0)));
         add_fields(r, cost.errors, reference_);
         // Samples halve the error in twice the time: their product is what a strategy costs.
-        const double price = cost.errors.relmse * cost.median();
-        r["relmse_seconds"] = price;
+        const double cost_product = cost.errors.relmse * cost.median();
+        r["relmse_seconds"] = cost_product;
         suite_.add({r}, {format("%-12s %s, %s%s: relMSE %.3g in %.3f s, product %.3g", scene_.name.c_str(),
                                 std::string(integrator_name(integrator)).c_str(),
-                                std::string(sampler_name(sampler)).c_str(), everything ? ", sky sampled" : "",
-                                cost.errors.relmse, cost.median(), price)});
-        if (price < least) {
-          least = price;
-          best = choice;
+                                std::string(sampler_name(sampler)).c_str(), all_needs ? ", sky sampled" : "",
+                                cost.errors.relmse, cost.median(), cost_product)});
+        if (cost_product < least) {
+          least = cost_product;
+          best = configuration;
         }
       }
     }
@@ -200,12 +202,13 @@ Choice Study::choose_strategy(Choice choice, const Accelerator& accelerator) con
   return best;
 }
 
-/// The fastest accelerator, building included, whose picture is within its share of the error of the judge's.
-Built Study::choose_accelerator(Choice& choice) const {
-  // Equal to list to the bit, which is tested.
-  const auto judge = make_accelerator(kDefaultAccelerator, scene_.geometry);
-  const RenderOptions o = options_for(choice, 0);
-  const Image right = render_once(suite_, scene_, *judge, o).image;
+/// Returns the fastest accelerator, building included, whose picture differs from the reference accelerator's by
+/// no more than its share of the error.
+Built SceneMeasurement::choose_accelerator(Configuration& configuration) const {
+  // Its pictures equal those of list to the bit, which is tested.
+  const auto reference = make_accelerator(kDefaultAccelerator, scene_.geometry);
+  const RenderOptions o = options_for(configuration, 0);
+  const Image expected = render_once(suite_, scene_, *reference, o).image;
   Built best;
   double least = kInfinity;
   for (const Variant& v : variants(options_)) {
@@ -219,13 +222,13 @@ Built Study::choose_accelerator(Choice& choice) const {
       seconds.push_back(rendered.seconds);
       image = std::move(rendered.image);
     }
-    const double relmse = image_error(image, right).relmse;
+    const double relmse = image_error(image, expected).relmse;
     const double total = built.build_seconds.median + spread_of(seconds).median;
     const bool good = relmse < kShare * options_.target_error;
-    choice.variant = v;
+    configuration.variant = v;
     Row r = row("accelerator");
     add_fields(r, v, scene_.geometry, built);
-    add_choice(r, choice);
+    add_configuration(r, configuration);
     add_times(r, seconds, work_of(o));
     r["relmse"] = relmse;
     r["good_enough"] = good;
@@ -239,39 +242,39 @@ Built Study::choose_accelerator(Choice& choice) const {
     }
   }
   if (!best.accelerator) throw Error(ErrorKind::failure, scene_.name, "no accelerator is good enough");
-  choice.variant = best.variant;
+  configuration.variant = best.variant;
   return best;
 }
 
-void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) const {
-  constexpr int kTries = 6;
+void SceneMeasurement::report_cheapest(Configuration configuration, const Built& built, const Cost& first) const {
+  constexpr int kMostAttempts = 6;
   const double target = options_.target_error;
-  // Beyond the samples of the reference, its own error is what would be measured.
+  // With more samples than the reference has, the error measured would be the reference's own.
   const auto limited = [&](double spp) {
     return std::clamp(static_cast<int>(std::ceil(spp)), 1, options_.reference_spp);
   };
-  choice.spp = limited(choice.spp * first.errors.relmse / target);
+  configuration.spp = limited(configuration.spp * first.errors.relmse / target);
   Cost cost;
   for (int i = 0;; ++i) {
-    cost = measure(choice, *built.accelerator);
-    // Two standard errors: right for this scene, and not only for these seeds.
-    const double surely = cost.errors.relmse + 2.0 * (options_.repeats > 1 ? cost.errors.relmse_error : 0.0);
-    if (surely < target || i == kTries || choice.spp == options_.reference_spp) break;
-    choice.spp = limited(choice.spp * std::clamp(surely / target, 1.1, 2.0));
+    cost = measure(configuration, *built.accelerator);
+    // Two standard errors on top make it hold for this scene, and not for these seeds only.
+    const double upper_bound = cost.errors.relmse + 2.0 * (options_.repeats > 1 ? cost.errors.relmse_error : 0.0);
+    if (upper_bound < target || i == kMostAttempts || configuration.spp == options_.reference_spp) break;
+    configuration.spp = limited(configuration.spp * std::clamp(upper_bound / target, 1.1, 2.0));
   }
   const bool kept = cost.errors.relmse < target;
   if (!kept) suite_.note(scene_.name + ": the error was not kept; raise --reference-spp or --target-error");
   const std::string lines =
-      format("[render]\nsamples_per_pixel = %d\nmax_depth = %d", choice.spp, choice.max_depth);
+      format("[render]\nsamples_per_pixel = %d\nmax_depth = %d", configuration.spp, configuration.max_depth);
   std::string command = "raylab-render " + file_;
-  for (const std::string& argument : choice.variant.arguments()) command += " " + argument;
-  command += " --integrator " + std::string(integrator_name(choice.integrator)) + " --sampler " +
-             std::string(sampler_name(choice.sampler));
-  if (choice.everything) command += " --needs all";
+  for (const std::string& argument : configuration.variant.arguments()) command += " " + argument;
+  command += " --integrator " + std::string(integrator_name(configuration.integrator)) + " --sampler " +
+             std::string(sampler_name(configuration.sampler));
+  if (configuration.all_needs) command += " --needs all";
   Row r = row("cheapest");
-  add_fields(r, choice.variant, scene_.geometry, built);
-  add_choice(r, choice);
-  add_times(r, cost.seconds, work_of(options_for(choice, 0)));
+  add_fields(r, configuration.variant, scene_.geometry, built);
+  add_configuration(r, configuration);
+  add_times(r, cost.seconds, work_of(options_for(configuration, 0)));
   add_fields(r, cost.errors, reference_);
   r["allowed_relmse"] = target;
   r["kept"] = kept;
@@ -282,13 +285,13 @@ void Study::tell_cheapest(Choice choice, const Built& built, const Cost& first) 
                    lines, "# " + command});
 }
 
-void Study::run() {
+void SceneMeasurement::run() {
   const auto accelerator = make_accelerator(kDefaultAccelerator, scene_.geometry);
-  tell_uses();
-  Choice choice;
-  choice.spp = options_.spp;
-  choice.max_depth = scene_.render.max_depth;
-  RenderOptions for_reference = options_for(choice, 0);
+  report_uses();
+  Configuration configuration;
+  configuration.spp = options_.spp;
+  configuration.max_depth = scene_.render.max_depth;
+  RenderOptions for_reference = options_for(configuration, 0);
   for_reference.samples_per_pixel = static_cast<std::uint32_t>(options_.reference_spp);
   suite_.expect(work_of(for_reference));
   std::filesystem::path cache = options_.cache;
@@ -298,12 +301,12 @@ void Study::run() {
     suite_.note(format("%s: the reference's own relMSE is %.2g: too much to judge %g by; raise --reference-spp",
                        scene_.name.c_str(), reference_.relmse, options_.target_error));
   }
-  tell_energy(choice, *accelerator);
-  choice.max_depth = choose_depth(choice, *accelerator);
-  choice = choose_strategy(choice, *accelerator);
-  const Cost cost = measure(choice, *accelerator);
-  const Built built = choose_accelerator(choice);
-  tell_cheapest(choice, built, cost);
+  report_energy(configuration, *accelerator);
+  configuration.max_depth = choose_depth(configuration, *accelerator);
+  configuration = choose_strategy(configuration, *accelerator);
+  const Cost cost = measure(configuration, *accelerator);
+  const Built built = choose_accelerator(configuration);
+  report_cheapest(configuration, built, cost);
 }
 
 }  // namespace
@@ -315,7 +318,7 @@ int needs(const NeedsOptions& options) {
   const ThreadLimit limit(options.threads);
   for (const std::string& file : options.scenes) {
     const LoadedScene loaded = load(suite, file);
-    Study(suite, loaded, file, options).run();
+    SceneMeasurement(suite, loaded, file, options).run();
   }
   suite.finish();
   return 0;

@@ -16,31 +16,33 @@ Row mega_per_second(std::size_t rays, const std::vector<double>& seconds) {
 /// The rays of the scene's own paths, and rays at its edges and vertices: a set for each kind, some perhaps empty.
 std::vector<RaySet> scene_ray_sets(const LoadedScene& loaded, const RaysOptions& options) {
   const Scene& scene = loaded.scene;
-  const auto walker = make_accelerator(kDefaultAccelerator, scene.geometry);
+  const auto accelerator = make_accelerator(kDefaultAccelerator, scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = scene.render.max_depth;
-  std::vector<RaySet> sets = path_ray_sets(scene, loaded.camera, *walker, settings, options.rays, options.seed);
+  std::vector<RaySet> sets =
+      path_ray_sets(scene, loaded.camera, *accelerator, settings, options.rays, options.seed);
   std::vector<Ray> origins = sets[0].rays;
   origins.insert(origins.end(), sets[1].rays.begin(), sets[1].rays.end());
-  for (RaySet& set : outline_ray_sets(scene.geometry, *walker, origins, options.rays, options.seed)) {
+  for (RaySet& set : outline_ray_sets(scene.geometry, *accelerator, origins, options.rays, options.seed)) {
     sets.push_back(std::move(set));
   }
   return sets;
 }
 
 std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const Scene& scene, const RaySet& set,
-                              std::span<const Built> built, const Judge& judge, const RaysOptions& options) {
+                              std::span<const Built> built, const HitChecker& check_hits,
+                              const RaysOptions& options) {
   std::vector<const Accelerator*> accelerators;
   for (const Built& b : built) accelerators.push_back(b.accelerator.get());
   const Query query = set.kind == RayKind::shadow ? Query::occluded : Query::intersect;
-  const Turns turns{options.repeats};
-  const auto go_on = [&] {
+  const Repeats repeats{options.repeats};
+  const auto stopped = [&] {
     suite.check();
     return false;
   };
-  const auto times = time_queries(accelerators, set.rays, query, turns, go_on);
-  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, turns, go_on);
-  const std::vector<Judgement> judgements = judge(accelerators, set, options.checked, suite);
+  const auto times = time_queries(accelerators, set.rays, query, repeats, stopped);
+  const auto batch_times = time_batch_queries(accelerators, BatchedRays(set.rays), query, repeats, stopped);
+  const std::vector<HitAccuracy> accuracies = check_hits(accelerators, set, options.checked, suite);
   std::vector<Row> rows;
   for (std::size_t i = 0; i < built.size(); ++i) {
     Row row{{"suite", suite_name}, {"scene", scene.name}, {"rays", ray_kind_name(set.kind)}, {"threads", 1}};
@@ -50,7 +52,7 @@ std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const
     row["mrays_per_second_batch"] = mega_per_second(set.rays.size(), batch_times[i].cpu);
     row["rays_timed"] = set.rays.size();
     row["runs"] = times[i].cpu.size();
-    add_fields(row, judgements[i]);
+    add_fields(row, accuracies[i]);
     rows.push_back(std::move(row));
   }
   return rows;
@@ -68,12 +70,12 @@ int run_ray_suite(const std::string& name, const RaysOptions& options, const Bui
     const LoadedScene loaded = load(suite, file);
     const Scene& scene = loaded.scene;
     const std::vector<Built> built = build_all(scene.geometry, suite);
-    const Judge judge(scene.geometry);
+    const HitChecker check_hits(scene.geometry);
     for (const RaySet& set : scene_ray_sets(loaded, options)) {
       if (set.rays.empty()) {
         suite.note(scene.name + " has no " + std::string(ray_kind_name(set.kind)) + " rays");
       } else {
-        std::vector<Row> rows = measure_rays(suite, name, scene, set, built, judge, options);
+        std::vector<Row> rows = measure_rays(suite, name, scene, set, built, check_hits, options);
         std::vector<std::string> lines;
         for (std::size_t i = 0; i < rows.size(); ++i) lines.push_back(describe(i, rows[i]));
         suite.add(rows, lines);
@@ -89,7 +91,7 @@ std::string speed_text(const Row& row) {
   const Row& speed = row["mrays_per_second"];
   return format("%7.2f Mrays/s (%.2f to %.2f), in batches %.2f; %s", speed["median"].get<double>(),
                 speed["min"].get<double>(), speed["max"].get<double>(),
-                row["mrays_per_second_batch"]["median"].get<double>(), judgement_text(row).c_str());
+                row["mrays_per_second_batch"]["median"].get<double>(), accuracy_text(row).c_str());
 }
 
 }  // namespace raylab::bench

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "judged.hpp"
+#include "hit_accuracy.hpp"
 #include "raylab/measure/path_rays.hpp"
 #include "suite.hpp"
 

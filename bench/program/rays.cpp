@@ -5,7 +5,7 @@ namespace raylab::bench {
 
 namespace {
 
-std::vector<Variant> worthwhile(const std::vector<Variant>& all, const Geometry& geometry, Suite& suite) {
+std::vector<Variant> fit_variants(const std::vector<Variant>& all, const Geometry& geometry, Suite& suite) {
   std::vector<Variant> kept;
   for (const Variant& v : all) {
     if (is_fit(v, geometry.primitive_count())) {
@@ -29,7 +29,7 @@ int rays(const RaysOptions& options) {
   const std::vector<Variant> all = variants(options);
   const auto build_all = [&](const Geometry& geometry, Suite& suite) {
     std::vector<Built> built;
-    for (const Variant& v : worthwhile(all, geometry, suite)) {
+    for (const Variant& v : fit_variants(all, geometry, suite)) {
       built.push_back(build(v, geometry, 1));
       suite.check();
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "judged.hpp"
+#include "hit_accuracy.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
 #include "raylab/measure/batch_queries.hpp"
@@ -27,10 +27,9 @@ std::vector<Variant> scale_variants(const ScaleOptions& options) {
   return all;
 }
 
-/// Sends all rays through each accelerator on several threads, in turns. Of these there is no time of one
-/// processor.
+/// Sends all rays through each accelerator on several threads, interleaved. These have no time of one processor.
 std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> accelerators,
-                                        std::span<const Ray> rays, int threads, const Turns& turns,
+                                        std::span<const Ray> rays, int threads, const Repeats& repeats,
                                         const std::function<bool()>& stopped) {
   const ThreadLimit limit(threads);
   constexpr std::size_t kBlock = 1024;
@@ -46,15 +45,15 @@ std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> acce
       found[block] = sum;
     });
   };
-  std::vector<QueryTimes> times = time_in_turns(accelerators.size(), turns, send, stopped);
+  std::vector<QueryTimes> times = time_interleaved(accelerators.size(), repeats, send, stopped);
   for (QueryTimes& t : times) t.cpu.clear();
   return times;
 }
 
-struct Subject {
-  std::string family;
+/// Holds what all rows of one family and size have in common.
+struct FamilyContext {
+  std::string name;
   const ScaleFamily& made;
-  const Judge& judge;
 };
 
 Row speeds_of(std::size_t rays, const std::vector<double>& seconds) {
@@ -63,22 +62,22 @@ Row speeds_of(std::size_t rays, const std::vector<double>& seconds) {
   return to_row(spread_of(speeds));
 }
 
-void add_row(Suite& suite, const Subject& subject, const Built& built, int threads, const QueryTimes& times,
-             const QueryTimes* batch_times, const Judgement& judgement) {
-  Row row{{"suite", "scale"}, {"scene", subject.family}, {"threads", threads}};
-  add_fields(row, built.variant, subject.made.geometry, built);
-  const std::size_t rays = subject.made.rays.size();
+void add_row(Suite& suite, const FamilyContext& context, const Built& built, int threads, const QueryTimes& times,
+             const QueryTimes* batch_times, const HitAccuracy& accuracy) {
+  Row row{{"suite", "scale"}, {"scene", context.name}, {"threads", threads}};
+  add_fields(row, built.variant, context.made.geometry, built);
+  const std::size_t rays = context.made.rays.size();
   row["mrays_per_second"] = speeds_of(rays, times.cpu.empty() ? times.wall : times.cpu);
   row["mrays_per_second_wall"] = speeds_of(rays, times.wall);
   if (batch_times != nullptr) row["mrays_per_second_batch"] = speeds_of(rays, batch_times->cpu);
-  row["rays_timed"] = subject.made.rays.size();
-  add_fields(row, judgement);
+  row["rays_timed"] = context.made.rays.size();
+  add_fields(row, accuracy);
   suite.add(
       {row},
       {format("%-8s %9zu triangles %d threads %-18s build %8.4f s %7.1f bytes/triangle %6.2f Mrays/s  %s",
-              subject.family.c_str(), row["triangles"].get<std::size_t>(), threads, built.variant.name().c_str(),
+              context.name.c_str(), row["triangles"].get<std::size_t>(), threads, built.variant.name().c_str(),
               built.build_seconds.median, row["bytes"].get<double>() / row["triangles"].get<double>(),
-              row["mrays_per_second"]["median"].get<double>(), judgement_text(row).c_str())});
+              row["mrays_per_second"]["median"].get<double>(), accuracy_text(row).c_str())});
 }
 
 }  // namespace
@@ -97,8 +96,8 @@ int scale(const ScaleOptions& options) {
   for (const std::string& family : families) {
     for (const std::size_t size : sizes) {
       const ScaleFamily made = make_scale_family(family, size, options.rays, options.seed);
-      const Judge judge(made.geometry);
-      const Subject subject{family, made, judge};
+      const HitChecker check_hits(made.geometry);
+      const FamilyContext context{family, made};
       const RaySet set{RayKind::primary, made.rays};
       const auto stopped = [&] {
         suite.check();
@@ -113,16 +112,17 @@ int scale(const ScaleOptions& options) {
           built.push_back(build(v, made.geometry, threads));
           accelerators.push_back(built.back().accelerator.get());
         }
-        const Turns turns{options.repeats};
-        const auto times = threads == 1 ? time_queries(accelerators, made.rays, Query::intersect, turns, stopped)
-                                        : time_on_threads(accelerators, made.rays, threads, turns, stopped);
+        const Repeats repeats{options.repeats};
+        const auto times = threads == 1 ? time_queries(accelerators, made.rays, Query::intersect, repeats, stopped)
+                                        : time_on_threads(accelerators, made.rays, threads, repeats, stopped);
         std::vector<QueryTimes> batch_times;
         if (threads == 1)
-          batch_times = time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, turns, stopped);
-        const auto judgements = judge(accelerators, set, options.checked, suite);
+          batch_times =
+              time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, repeats, stopped);
+        const auto accuracies = check_hits(accelerators, set, options.checked, suite);
         for (std::size_t i = 0; i < built.size(); ++i) {
-          add_row(suite, subject, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr,
-                  judgements[i]);
+          add_row(suite, context, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr,
+                  accuracies[i]);
         }
       }
       suite.advance(static_cast<double>(size));

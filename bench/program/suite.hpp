@@ -66,9 +66,9 @@ struct Variant {
   std::vector<std::string> arguments() const;  ///< of raylab-render, which choose it
 };
 
-/// The accelerators named, or all but the judge, with each of the qualities named, or the default, and each of the
-/// intersectors named, or all, or with `all_intersectors` off the accelerator's default: what it has a choice of.
-/// Throws Error (usage) for unknown names.
+/// The accelerators named, or all but the exact one, with each of the qualities named, or the default, and each of
+/// the intersectors named, or all, or with `all_intersectors` off the accelerator's default: what it has a choice
+/// of. Throws Error (usage) for unknown names.
 std::vector<Variant> variants(const CommonOptions& options, bool all_intersectors = true);
 
 /// The same, but where no accelerator is named of the default one alone, and of default triangle tests.

@@ -34,7 +34,7 @@ RayBatch BatchedRays::batch(std::size_t index) const {
 }
 
 std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators,
-                                           const BatchedRays& rays, Query query, const Turns& turns,
+                                           const BatchedRays& rays, Query query, const Repeats& repeats,
                                            const std::function<bool()>& stopped) {
   Answers answers;
   const auto pass = [&](std::size_t i) {
@@ -46,7 +46,7 @@ std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> a
       }
     }
   };
-  return time_in_turns(accelerators.size(), turns, pass, stopped);
+  return time_interleaved(accelerators.size(), repeats, pass, stopped);
 }
 
 BatchAnswers::BatchAnswers(const Accelerator& accelerator, std::span<const Ray> rays) : accelerator_(accelerator) {

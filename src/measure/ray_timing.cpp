@@ -10,7 +10,7 @@ namespace raylab {
 
 namespace {
 
-// What was found, kept so that no query can be left out.
+// It keeps what was found, so that the compiler can leave no query out.
 volatile float sink;
 
 void send(const Accelerator& accelerator, std::span<const Ray> rays, Query query) {
@@ -28,7 +28,7 @@ void send(const Accelerator& accelerator, std::span<const Ray> rays, Query query
 
 }  // namespace
 
-std::vector<std::size_t> turn_order(std::span<const int> shares) {
+std::vector<std::size_t> interleaved_order(std::span<const int> shares) {
   std::vector<std::size_t> order;
   const std::int64_t rounds = shares.empty() ? 0 : *std::max_element(shares.begin(), shares.end());
   for (std::int64_t round = 0; round < rounds; ++round) {
@@ -39,9 +39,9 @@ std::vector<std::size_t> turn_order(std::span<const int> shares) {
   return order;
 }
 
-std::vector<QueryTimes> time_in_turns(std::size_t count, const Turns& turns,
-                                      const std::function<void(std::size_t)>& pass,
-                                      const std::function<bool()>& stopped) {
+std::vector<QueryTimes> time_interleaved(std::size_t count, const Repeats& repeats,
+                                         const std::function<void(std::size_t)>& pass,
+                                         const std::function<bool()>& stopped) {
   constexpr int kMost = 200;
   std::vector<QueryTimes> times(count);
   std::vector<int> shares(count);
@@ -51,9 +51,9 @@ std::vector<QueryTimes> time_in_turns(std::size_t count, const Turns& turns,
     const CpuStopwatch warm_up(CpuClock::thread);
     pass(i);
     shares[i] =
-        std::max(turns.least, static_cast<int>(std::min<double>(kMost, turns.seconds / warm_up.seconds())));
+        std::max(repeats.least, static_cast<int>(std::min<double>(kMost, repeats.seconds / warm_up.seconds())));
   }
-  for (const std::size_t i : turn_order(shares)) {
+  for (const std::size_t i : interleaved_order(shares)) {
     if (stopped && stopped()) return times;
     const CpuStopwatch cpu(CpuClock::thread);
     const Stopwatch wall;
@@ -65,9 +65,9 @@ std::vector<QueryTimes> time_in_turns(std::size_t count, const Turns& turns,
 }
 
 std::vector<QueryTimes> time_queries(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
-                                     Query query, const Turns& turns, const std::function<bool()>& stopped) {
-  return time_in_turns(
-      accelerators.size(), turns, [&](std::size_t i) { send(*accelerators[i], rays, query); }, stopped);
+                                     Query query, const Repeats& repeats, const std::function<bool()>& stopped) {
+  return time_interleaved(
+      accelerators.size(), repeats, [&](std::size_t i) { send(*accelerators[i], rays, query); }, stopped);
 }
 
 }  // namespace raylab
