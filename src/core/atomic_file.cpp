@@ -27,7 +27,7 @@ namespace {
 fs::path create_temporary(const fs::path& folder, const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   for (;;) {
-    const fs::path name =
+    fs::path name =
         folder / (".raylab-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp");
     const int descriptor = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
