@@ -10,7 +10,13 @@
 #include <memory>
 #include <type_traits>
 
+#include "raylab/accel/accelerator.hpp"
+
 namespace raylab {
+
+/// The scene that an accelerator of make_embree or make_embree_robust traces, for measurements. It lives as long.
+RTCScene embree_scene(const Accelerator& accelerator);
+
 namespace {
 
 struct DeviceRelease {
@@ -27,26 +33,30 @@ using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneReleas
 using EmbreeGeometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, GeometryRelease>;
 
 // The last argument that Embree 4 takes and the context that Embree 3 takes, for queries of one ray and of
-// packets.
+// packets. `coherent` says that the rays of a packet start and run alike.
 #if RAYLAB_EMBREE_MAJOR >= 4
 #define RAYLAB_EMBREE_QUERY(name, Query) \
-  void embree_query(RTCScene scene, Query& query) { rtc##name##1(scene, &query, nullptr); }
-#define RAYLAB_EMBREE_PACKET(name, N, Query)                          \
-  void embree_query(const int* valid, RTCScene scene, Query& query) { \
-    rtc##name##N(valid, scene, &query, nullptr);                      \
+  inline void embree_query(RTCScene scene, Query& query) { rtc##name##1(scene, &query, nullptr); }
+#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                \
+  inline void embree_query(const int* valid, RTCScene scene, Query& query, bool coherent) { \
+    RTC##name##Arguments arguments;                                                         \
+    rtcInit##name##Arguments(&arguments);                                                   \
+    if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;                            \
+    rtc##name##N(valid, scene, &query, &arguments);                                         \
   }
 #else
-#define RAYLAB_EMBREE_QUERY(name, Query)            \
-  void embree_query(RTCScene scene, Query& query) { \
-    RTCIntersectContext context;                    \
-    rtcInitIntersectContext(&context);              \
-    rtc##name##1(scene, &context, &query);          \
+#define RAYLAB_EMBREE_QUERY(name, Query)                   \
+  inline void embree_query(RTCScene scene, Query& query) { \
+    RTCIntersectContext context;                           \
+    rtcInitIntersectContext(&context);                     \
+    rtc##name##1(scene, &context, &query);                 \
   }
-#define RAYLAB_EMBREE_PACKET(name, N, Query)                          \
-  void embree_query(const int* valid, RTCScene scene, Query& query) { \
-    RTCIntersectContext context;                                      \
-    rtcInitIntersectContext(&context);                                \
-    rtc##name##N(valid, scene, &context, &query);                     \
+#define RAYLAB_EMBREE_PACKET(name, N, Query)                                                \
+  inline void embree_query(const int* valid, RTCScene scene, Query& query, bool coherent) { \
+    RTCIntersectContext context;                                                            \
+    rtcInitIntersectContext(&context);                                                      \
+    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;                      \
+    rtc##name##N(valid, scene, &context, &query);                                           \
   }
 #endif
 RAYLAB_EMBREE_QUERY(Intersect, RTCRayHit)
