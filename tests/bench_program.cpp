@@ -87,6 +87,22 @@ TEST_CASE("raylab-bench rays gives the build qualities to those that have a choi
   CHECK(run.out.find("embree best quality compact ") != std::string::npos);
 }
 
+TEST_CASE("raylab-bench embree measures our Embree backends beside bare loops over the same scenes", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run =
+      raylab_bench({"embree", kCornell, "--rays", "500", "--repeats", "1", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  CHECK(results.rows.size() == 8);  // two backends, four kinds of rays
+  for (const Row& row : results.rows) {
+    INFO(row.dump());
+    CHECK(row["rays_timed"] == 496);  // whole packets
+    CHECK(row["mrays_per_second_bare"].contains("16c"));
+    CHECK(row["batch_of_fastest_bare"].get<double>() > 0.0);
+  }
+}
+
 TEST_CASE("raylab-bench render tells the error of each way against one reference", "[cli][bench]") {
   const TempFolder folder;
   const std::vector<std::string> arguments{"render",          kCornell, "--width",   "16",

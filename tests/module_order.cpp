@@ -39,7 +39,7 @@ struct Library {
   std::vector<const char*> places;  ///< starts of paths from the top
 };
 const Library kLibraries[] = {
-    {"embree", {"src/accel/embree", "bench/program/embree_"}},
+    {"embree", {"src/accel/embree", "bench/program/embree_bare"}},
     {"tbb/", {"src/core/"}},
     {"oneapi/tbb", {"src/core/"}},
     {"GLFW/", {"apps/preview/"}},

@@ -57,6 +57,17 @@ CLI::App* add_rays(CLI::App& app, RaysOptions& options) {
   return command;
 }
 
+CLI::App* add_embree(CLI::App& app, RaysOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("embree", "Speed of our Embree backends beside bare loops over the same library");
+  command->add_option("scene", options.scenes, "Scene files")->required();
+  add_common(*command, options);
+  command->add_option("--rays", options.rays, "Rays of each kind that are timed")
+      ->check(CLI::Range(16, 1 << 26))
+      ->capture_default_str();
+  return command;
+}
+
 CLI::App* add_ladder(CLI::App& app, RaysOptions& options) {
   CLI::App* command = app.add_subcommand(
       "ladder", "What each step buys from the book's tree to bvh: speed, accuracy, memory, building time");
@@ -218,7 +229,7 @@ int run(int argc, char** argv) {
   app.name("raylab-bench");
   app.set_version_flag("--version", std::string("raylab-bench ") + RAYLAB_VERSION);
   app.require_subcommand(1);
-  RaysOptions rays_options, ladder_options;
+  RaysOptions rays_options, ladder_options, embree_options;
   RenderSuiteOptions render_options;
   NeedsOptions needs_options;
   ScaleOptions scale_options;
@@ -230,6 +241,7 @@ int run(int argc, char** argv) {
   render_options.repeats = needs_options.repeats = 3;
   process_options.repeats = profile_options.repeats = 3;
   const CLI::App* rays_command = add_rays(app, rays_options);
+  const CLI::App* embree_command = add_embree(app, embree_options);
   const CLI::App* ladder_command = add_ladder(app, ladder_options);
   const CLI::App* render_command = add_render(app, render_options);
   const CLI::App* scale_command = add_scale(app, scale_options);
@@ -244,12 +256,14 @@ int run(int argc, char** argv) {
   const std::string line = command_line("raylab-bench", argc, argv);
   for (CommonOptions* o :
        {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
+        static_cast<CommonOptions*>(&embree_options),
         static_cast<CommonOptions*>(&render_options), static_cast<CommonOptions*>(&needs_options),
         static_cast<CommonOptions*>(&scale_options), static_cast<CommonOptions*>(&process_options),
         static_cast<CommonOptions*>(&threads_options), static_cast<CommonOptions*>(&profile_options)}) {
     o->command_line = line;
   }
   if (*rays_command) return rays(rays_options);
+  if (*embree_command) return embree(embree_options);
   if (*ladder_command) return ladder(ladder_options);
   if (*render_command) return bench::render(render_options);
   if (*scale_command) return bench::scale(scale_options);

@@ -77,6 +77,7 @@ struct CompareOptions {
 
 int compare(const CompareOptions& options);
 int rays(const RaysOptions& options);
+int embree(const RaysOptions& options);
 int ladder(const RaysOptions& options);
 int report(const ReportOptions& options);
 int scale(const ScaleOptions& options);
