@@ -46,8 +46,7 @@ TEST_CASE("every accelerator answers a batch as it answers its rays one by one",
   }
 }
 
-TEST_CASE("Embree agrees with testing all primitives, and meets what exact meets, however it is built",
-          "[agreement]") {
+TEST_CASE("Embree agrees with testing all primitives, and meets what exact meets, however it is built", "[agreement]") {
   const FlushDenormals flush;
   const Geometry geometry = mixed();
   const auto exact = make_accelerator("exact", geometry);
@@ -191,8 +190,7 @@ TEST_CASE("all threads asking at once get what one gets alone", "[agreement]") {
     std::vector<char> same(4 * rays.size());
     parallel_for(same.size(), [&](std::size_t i) {
       const std::size_t k = i % rays.size();
-      same[i] =
-          accelerator->intersect(rays[k]) == alone[k] && accelerator->occluded(rays[k]) == alone[k].has_value();
+      same[i] = accelerator->intersect(rays[k]) == alone[k] && accelerator->occluded(rays[k]) == alone[k].has_value();
     });
     INFO(entry.name);
     CHECK(std::count(same.begin(), same.end(), 0) == 0);

@@ -81,8 +81,7 @@ TEST_CASE("every built-in accelerator takes what its capabilities say, and refus
   }
 }
 
-TEST_CASE("what a registration does not say it is capable of is passed on, for the accelerator to judge",
-          "[unit]") {
+TEST_CASE("what a registration does not say it is capable of is passed on, for the accelerator to judge", "[unit]") {
   static AcceleratorOptions given;
   static const RegisterAccelerator registered{
       {"test-judge", "takes what it likes", [](const Geometry& geometry, const AcceleratorOptions& options) {

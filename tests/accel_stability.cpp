@@ -25,8 +25,7 @@ TriangleMesh unit_cube() {
 
 }  // namespace
 
-TEST_CASE("list leaks nothing at the vertices and edges of a closed mesh, where the book's test leaks",
-          "[stability]") {
+TEST_CASE("list leaks nothing at the vertices and edges of a closed mesh, where the book's test leaks", "[stability]") {
   struct Ball {
     vec3 center;
     float radius;
@@ -79,8 +78,7 @@ TEST_CASE("a lone triangle of any size is met at its t in every accelerator, whe
     const Geometry geometry{{TriangleMesh{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}}, {{0, 1, 2}}, {}, {}, {}, {}}}, {}};
     const Ray ray{{s / 3, s / 3, -1}, {0, 0, 1}};
     for (const AcceleratorEntry& entry : accelerators()) {
-      const auto hit =
-          entry.make(geometry, entry.name == "rtiow" ? kWatertight : AcceleratorOptions{})->intersect(ray);
+      const auto hit = entry.make(geometry, entry.name == "rtiow" ? kWatertight : AcceleratorOptions{})->intersect(ray);
       INFO(entry.name << ", legs of " << s);
       REQUIRE(hit);
       CHECK(hit->t == Approx(1.0f).epsilon(1e-6));
@@ -90,8 +88,7 @@ TEST_CASE("a lone triangle of any size is met at its t in every accelerator, whe
   CHECK(lost_by_book);
 }
 
-TEST_CASE("a flat floor is met at exactly its height, where padding a float box by 0.0001 vanishes",
-          "[stability]") {
+TEST_CASE("a flat floor is met at exactly its height, where padding a float box by 0.0001 vanishes", "[stability]") {
   bool padding_vanished = false;
   for (const float height : {1.0f, 1023.0f, 1025.0f, 2000.0f, 1e5f}) {
     const TriangleMesh floor{{{-2, -height, -2}, {2, -height, -2}, {2, -height, 2}, {-2, -height, 2}},
@@ -140,8 +137,7 @@ TEST_CASE("tiny spheres and spheres far out are found as without a tree", "[stab
   }
 }
 
-TEST_CASE("centroids at powers of two make a deep tree that closest and any hit get through alike",
-          "[stability]") {
+TEST_CASE("centroids at powers of two make a deep tree that closest and any hit get through alike", "[stability]") {
   // No further than 2^-35: Embree multiplies three lengths, and below 1e-12 the product is flushed to zero.
   constexpr int kLinks = 36;
   const vec3 corners[] = {{0.9f, -0.1f, 0}, {1.1f, -0.1f, 0}, {1, 0.1f, 0.05f}};
@@ -169,8 +165,7 @@ TEST_CASE("centroids at powers of two make a deep tree that closest and any hit 
   }
 }
 
-TEST_CASE("one vertex in ten NaN, infinite or too large: the others are met, the bad ones counted",
-          "[stability]") {
+TEST_CASE("one vertex in ten NaN, infinite or too large: the others are met, the bad ones counted", "[stability]") {
   const TriangleMesh good = triangle_soup(400, 1.0f, 0.4f, 9);
   TriangleMesh spoilt = good;
   const float bad[] = {std::nanf(""), kInfinity, -kInfinity, 3e18f};

@@ -67,8 +67,7 @@ TEST_CASE("raylab-bench rays measures every accelerator and triangle test, and c
   CHECK(results.runs[0]["complete"] == true);
 }
 
-TEST_CASE("raylab-bench rays gives the build qualities to those that have a choice, and records them",
-          "[cli][bench]") {
+TEST_CASE("raylab-bench rays gives the build qualities to those that have a choice, and records them", "[cli][bench]") {
   const TempFolder folder;
   std::vector<std::string> arguments = quick_rays(folder.path());
   arguments.insert(arguments.end(), {"--accel", "list,bvh,embree", "--intersector", "watertight", "--quality",
@@ -163,30 +162,28 @@ TEST_CASE("a reference of another size is refused by name", "[cli][bench]") {
 TEST_CASE("raylab-bench needs finds a cheap way and says it in scene-file lines", "[cli][bench]") {
   const TempFolder folder;
   const ProgramResult run = raylab_bench({"needs", kCornell, "--width", "12", "--spp", "4", "--repeats", "2",
-                                          "--reference-spp", "64", "--accel", "list,bvh", "--intersector",
-                                          "watertight", "--target-error", "2", "--out", folder.path().string()});
+                                          "--reference-spp", "64", "--accel", "list,bvh", "--intersector", "watertight",
+                                          "--target-error", "2", "--out", folder.path().string()});
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   const Results results = read_results(folder.path());
   const auto energy = rows_where(results, "question", "energy by segment");
   REQUIRE(energy.size() > 3);
-  for (std::size_t i = 1; i < energy.size(); ++i)
-    CHECK(energy[i]["missing_energy"] <= energy[i - 1]["missing_energy"]);
+  for (std::size_t i = 1; i < energy.size(); ++i) CHECK(energy[i]["missing_energy"] <= energy[i - 1]["missing_energy"]);
   const auto cheapest = rows_where(results, "question", "cheapest");
   REQUIRE(cheapest.size() == 1);
   const Row& best = cheapest[0];
   CHECK(best["kept"] == (best["relmse"].get<double>() < 2.0));
   const std::string lines = best["scene_file"];
-  CHECK(lines ==
-        "[render]\nsamples_per_pixel = " + best["spp"].dump() + "\nmax_depth = " + best["max_depth"].dump());
+  CHECK(lines == "[render]\nsamples_per_pixel = " + best["spp"].dump() + "\nmax_depth = " + best["max_depth"].dump());
   CHECK(run.out.find(lines) != std::string::npos);
 }
 
 TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {
   const TempFolder folder;
   const ProgramResult run =
-      raylab_bench({"scale", "--family", "sphere", "--largest", "1000", "--rays", "200", "--checked", "50",
-                    "--repeats", "1", "--accel", "bvh,embree", "--out", folder.path().string()});
+      raylab_bench({"scale", "--family", "sphere", "--largest", "1000", "--rays", "200", "--checked", "50", "--repeats",
+                    "1", "--accel", "bvh,embree", "--out", folder.path().string()});
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   const Results results = read_results(folder.path());
@@ -198,8 +195,8 @@ TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {
 
 TEST_CASE("raylab-bench ladder measures each step from the book's tree to bvh, and checks it", "[cli][bench]") {
   const TempFolder folder;
-  const ProgramResult run = raylab_bench({"ladder", kCornell, "--rays", "500", "--checked", "500", "--repeats",
-                                          "1", "--out", folder.path().string()});
+  const ProgramResult run = raylab_bench(
+      {"ladder", kCornell, "--rays", "500", "--checked", "500", "--repeats", "1", "--out", folder.path().string()});
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   const Results results = read_results(folder.path());
@@ -283,8 +280,8 @@ TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
   const TempFolder folder;
   const auto results = [](double speed) {
     return R"({"machine": {"cpu": "a"}, "rows": [{"suite": "rays", "accel": "bvh", "mrays_per_second": {"median": )" +
-           std::to_string(speed) + R"(, "min": )" + std::to_string(speed) + R"(, "max": )" +
-           std::to_string(speed) + "}}]}";
+           std::to_string(speed) + R"(, "min": )" + std::to_string(speed) + R"(, "max": )" + std::to_string(speed) +
+           "}}]}";
   };
   fs::create_directory(folder / "old");
   fs::create_directory(folder / "new");
@@ -297,19 +294,17 @@ TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
         "1 figures changed, 0 did not, beyond their noise\n");
   write_text(folder / "new/results.json", R"({"machine": {"cpu": "b"}, "rows": []})");
   expect_failure({"compare", (folder / "old").string(), (folder / "new").string()}, 2, "--any-machine");
-  CHECK(
-      raylab_bench({"compare", "--any-machine", (folder / "old").string(), (folder / "new").string()}).exit_code ==
-      0);
+  CHECK(raylab_bench({"compare", "--any-machine", (folder / "old").string(), (folder / "new").string()}).exit_code ==
+        0);
 }
 
 TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli][bench]") {
   const TempFolder folder;
   const std::string wait_then_stop =
       R"("$@" & p=$!; until [ -s "$0" ] || ! kill -0 $p; do sleep 0.02; done; kill -TERM $p; wait $p)";
-  const ProgramResult run =
-      run_program("/bin/sh", {"-c", wait_then_stop, (folder / "results.json").string(),
-                              RAYLAB_BINARY_DIR "/raylab-bench", "rays", kCornell, "--rays", "2000", "--checked",
-                              "10", "--repeats", "100", "--out", folder.path().string()});
+  const ProgramResult run = run_program(
+      "/bin/sh", {"-c", wait_then_stop, (folder / "results.json").string(), RAYLAB_BINARY_DIR "/raylab-bench", "rays",
+                  kCornell, "--rays", "2000", "--checked", "10", "--repeats", "100", "--out", folder.path().string()});
   INFO(run.err);
   CHECK(run.exit_code == 130);
   CHECK(run.err.find("interrupted") != std::string::npos);
@@ -344,9 +339,9 @@ TEST_CASE("raylab-bench report draws the same files from the same results", "[cl
   const TempFolder folder;
   REQUIRE(raylab_bench(quick_rays(folder.path())).exit_code == 0);
   for (const char* suite : {"process", "threads", "profile"}) {
-    REQUIRE(raylab_bench(
-                {suite, kCornell, "--width", "8", "--spp", "2", "--repeats", "1", "--out", folder.path().string()})
-                .exit_code == 0);
+    REQUIRE(
+        raylab_bench({suite, kCornell, "--width", "8", "--spp", "2", "--repeats", "1", "--out", folder.path().string()})
+            .exit_code == 0);
   }
   const ProgramResult run = raylab_bench({"report", folder.path().string()});
   if (run.err.find("no python3 with matplotlib") != std::string::npos) {

@@ -127,9 +127,8 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
   CHECK(best->build_report().sah_cost < 0.7 * balanced->build_report().sah_cost);
   CHECK(best->build_report().primitives == geometry.primitive_count());
   CHECK(best->build_report().bytes < 1.35 * static_cast<double>(balanced->build_report().bytes));
-  for (const auto& rays :
-       {rays_into(geometry, 3000), rays_at_vertices(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1),
-        rays_at_edges(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1)}) {
+  for (const auto& rays : {rays_into(geometry, 3000), rays_at_vertices(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1),
+                           rays_at_edges(geometry.meshes[1], vec3(0.0f), 2.0f, 1500, 1)}) {
     for (const Ray& ray : rays) {
       const auto expected = list->intersect(ray);
       REQUIRE(best->intersect(ray) == expected);
@@ -138,9 +137,8 @@ TEST_CASE("the best tree of bvh splits the space that large triangles share, and
   }
 }
 
-TEST_CASE(
-    "a ray meets the children of a node of bvh in their order, where a plane parts them or one holds the other",
-    "[unit]") {
+TEST_CASE("a ray meets the children of a node of bvh in their order, where a plane parts them or one holds the other",
+          "[unit]") {
   const FlushDenormals flush;
   UniformFloats uniform(1);
   const auto box_of = [](const Sphere& s) {
@@ -178,8 +176,7 @@ TEST_CASE(
     for (const Ray& ray : random_rays({vec3(-2.0f), vec3(2.0f)}, 200, static_cast<std::uint64_t>(pair))) {
       const auto first = entry(boxes[0], ray), second = entry(boxes[1], ray);
       if (!first || !second || *first == *second) continue;
-      const int octant =
-          (ray.direction.x < 0 ? 1 : 0) | (ray.direction.y < 0 ? 2 : 0) | (ray.direction.z < 0 ? 4 : 0);
+      const int octant = (ray.direction.x < 0 ? 1 : 0) | (ray.direction.y < 0 ? 2 : 0) | (ray.direction.z < 0 ? 4 : 0);
       const std::uint32_t nearest = bvh::ref_index(node.child[node.order[octant] & 15u]);
       REQUIRE(tree.ids[nearest].primitive == (*first < *second ? 0u : 1u));
       ++(is_parted ? parted : held);

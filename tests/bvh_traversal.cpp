@@ -156,8 +156,7 @@ TEST_CASE("bvh gives the same hits with every instruction set to rays in the pla
   CHECK(hits > rays.size() / 2);
 }
 
-TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to directions of any length",
-          "[agreement]") {
+TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to directions of any length", "[agreement]") {
   const Geometry mixed{{icosphere(vec3(0.0f), 1.0f, 3), triangle_soup(100, 1.0f, 0.5f, 5)},
                        sphere_soup(50, 1.0f, 0.2f, 5)};
   const auto list = make_accelerator("list", mixed);
@@ -174,8 +173,7 @@ TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to dire
   check_equal_hits("on surfaces", mixed, rays, {Intersector::watertight});
 }
 
-TEST_CASE("of triangles hit at the same distance bvh gives the one with the smallest id, as list does",
-          "[agreement]") {
+TEST_CASE("of triangles hit at the same distance bvh gives the one with the smallest id, as list does", "[agreement]") {
   const TriangleMesh sphere = icosphere(vec3(0.0f), 1.0f, 2);
   const Geometry geometry{{sphere, sphere}, {{vec3(0.0f), 0.5f}, {vec3(0.0f), 0.5f}}};
   check_equal_hits("vertices", geometry, rays_at_vertices(sphere, vec3(0.0f), 0.55f, 2000, 1));
@@ -188,8 +186,8 @@ TEST_CASE("bvh leaks nothing at the vertices and edges of closed meshes of any s
     float radius;
     vec3 center;
   };
-  for (const Place& place : {Place{2.0f, vec3(0.0f)}, Place{2.0f, {148376, 1234, -223423}},
-                             Place{1e-3f, vec3(0.0f)}, Place{1e-6f, vec3(0.0f)}, Place{1e10f, vec3(0.0f)}}) {
+  for (const Place& place : {Place{2.0f, vec3(0.0f)}, Place{2.0f, {148376, 1234, -223423}}, Place{1e-3f, vec3(0.0f)},
+                             Place{1e-6f, vec3(0.0f)}, Place{1e10f, vec3(0.0f)}}) {
     const Geometry geometry{{icosphere(place.center, place.radius, 4)}, {}};
     const float spread = 0.4f * place.radius;
     for (const auto& bvh : for_every_isa(geometry, Intersector::watertight)) {

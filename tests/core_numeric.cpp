@@ -2,8 +2,8 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "raylab/core/numeric.hpp"
 #include "glm_formulas.hpp"
+#include "raylab/core/numeric.hpp"
 
 using namespace raylab;
 
@@ -80,8 +80,7 @@ namespace {
 /// Distance of a number from the exact one, in units in the last place of the exact one's float.
 double error_ulp(float found, long double exact) {
   const auto rounded = std::abs(static_cast<float>(exact));
-  return static_cast<double>(std::abs(found - exact) /
-                             (static_cast<long double>(next_float_up(rounded)) - rounded));
+  return static_cast<double>(std::abs(found - exact) / (static_cast<long double>(next_float_up(rounded)) - rounded));
 }
 
 }  // namespace
@@ -90,8 +89,7 @@ TEST_CASE("the arc tangent of two numbers is that of the library to the last bit
   double worst = 0.0;
   const auto check = [&](float y, float x) {
     const float found = arc_tangent<float>(y, x);
-    worst =
-        std::max(worst, error_ulp(found, std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
+    worst = std::max(worst, error_ulp(found, std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
     if (std::signbit(found) != std::signbit(y)) worst = 1e9;
   };
   for (std::uint64_t i = 0; i < 1000000; ++i) {
@@ -102,8 +100,7 @@ TEST_CASE("the arc tangent of two numbers is that of the library to the last bit
     check(a, b * std::ldexp(1.0f, static_cast<int>(i % 40)));
     check(a, std::copysign(a * (1.0f + 1e-6f * b), b));  // by the diagonal
   }
-  const float all[] = {0.0f,       1e-30f, 1e-7f, 0.41421354f,
-                       0.4142136f, 1.0f,   3e7f,  std::numeric_limits<float>::max()};
+  const float all[] = {0.0f, 1e-30f, 1e-7f, 0.41421354f, 0.4142136f, 1.0f, 3e7f, std::numeric_limits<float>::max()};
   for (const float y : all) {
     for (const float x : all) {
       if (y != 0.0f && y / x < std::numeric_limits<float>::min()) continue;  // a denormal or 0

@@ -2,9 +2,9 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "core/low_discrepancy.hpp"
 #include "core_statistics.hpp"
 #include "raylab/core/numeric.hpp"
-#include "core/low_discrepancy.hpp"
 #include "raylab/core/random.hpp"
 
 using namespace raylab;

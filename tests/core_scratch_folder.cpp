@@ -1,11 +1,10 @@
-#include "raylab/core/scratch_folder.hpp"
-
 #include <stdlib.h>
 
 #include <optional>
 
 #include "catch.hpp"
 #include "expect_error.hpp"
+#include "raylab/core/scratch_folder.hpp"
 #include "temp_folder.hpp"
 
 using namespace raylab;

@@ -40,15 +40,11 @@ struct RationalHit {
 std::optional<RationalHit> rational_hit(const Ray& ray, const Triangle& tri) {
   using Vector = std::array<Rational, 3>;
   const auto vector = [](const vec3& v) { return Vector{Rational(v.x), Rational(v.y), Rational(v.z)}; };
-  const auto minus = [](const Vector& a, const Vector& b) {
-    return Vector{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  };
+  const auto minus = [](const Vector& a, const Vector& b) { return Vector{a[0] - b[0], a[1] - b[1], a[2] - b[2]}; };
   const auto cross = [](const Vector& a, const Vector& b) {
     return Vector{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
   };
-  const auto dot = [](const Vector& a, const Vector& b) -> Rational {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  };
+  const auto dot = [](const Vector& a, const Vector& b) -> Rational { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
   const Vector d = vector(ray.direction), p0 = vector(tri.p0);
   const Vector e1 = minus(vector(tri.p1), p0), e2 = minus(vector(tri.p2), p0), s = minus(vector(ray.origin), p0);
   const Vector p = cross(d, e2), q = cross(s, e1);
@@ -219,15 +215,12 @@ TEST_CASE("exactly: a line that touches a sphere meets it, the next float beyond
   CHECK(hit(3, 0, -10)->t == 6.0f);
 }
 
-TEST_CASE("exactly: the nearer of spheres and triangles is told where their distances differ in no float",
-          "[unit]") {
+TEST_CASE("exactly: the nearer of spheres and triangles is told where their distances differ in no float", "[unit]") {
   // The sphere is met at z = -√0.75, the triangle at the float above or below.
   const float below = -std::sqrt(0.75f);
   const bool is_below = static_cast<double>(below) * static_cast<double>(below) > 0.75;
   for (const bool triangle_first : {true, false}) {
-    const float z = triangle_first == is_below ? below
-                    : triangle_first           ? next_float_down(below)
-                                               : next_float_up(below);
+    const float z = triangle_first == is_below ? below : triangle_first ? next_float_down(below) : next_float_up(below);
     Geometry geometry = of_triangle({-9, -9, z}, {9, -9, z}, {0, 9, z});
     geometry.spheres = {{{0, 0, 0}, 1}};
     for (const auto arithmetic : {ExactTest::Arithmetic::adaptive, ExactTest::Arithmetic::integers}) {
@@ -317,9 +310,8 @@ TEST_CASE("balls never contradict integers on spheres, nor in the order of hits"
 TEST_CASE("exactly: floats of the whole range fit the integers", "[unit]") {
   // An origin as far as a float goes, the largest coordinates, and the smallest beside them.
   const float far = std::numeric_limits<float>::max();
-  Geometry geometry =
-      of_triangle({-kLargestCoordinate, -kLargestCoordinate, kTiny},
-                  {kLargestCoordinate, -kLargestCoordinate, kTiny}, {kTiny, kLargestCoordinate, kTiny});
+  Geometry geometry = of_triangle({-kLargestCoordinate, -kLargestCoordinate, kTiny},
+                                  {kLargestCoordinate, -kLargestCoordinate, kTiny}, {kTiny, kLargestCoordinate, kTiny});
   geometry.spheres = {{{0, kTiny, 0}, kLargestCoordinate}, {{kTiny, 0, 0}, kTiny}, {{0, 0, 3}, 1}};
   for (const vec3& direction : {vec3(0, 0, -far), vec3(0, 0, -1), vec3(kTiny, -kTiny, -far)}) {
     const Ray ray{{0, 0, far}, direction};

@@ -2,8 +2,8 @@
 #include <cfloat>
 
 #include "catch.hpp"
-#include "raylab/core/parallel.hpp"
 #include "geometry/primitive_test.hpp"
+#include "raylab/core/parallel.hpp"
 #include "raylab/measure/ray_sets.hpp"
 
 using namespace raylab;
@@ -33,8 +33,7 @@ TEST_CASE("every triangle test finds t, u and v of a plain hit", "[unit]") {
   const float v = 0.5f;
   const vec3 point = (1 - u - v) * triangle.p0 + u * triangle.p1 + v * triangle.p2;
   const Ray ray{{0, 0, 0}, point / 4.0f};
-  for (const auto& found :
-       {book(ray, triangle), hit<Intersector::fast>(ray, triangle), watertight(ray, triangle)}) {
+  for (const auto& found : {book(ray, triangle), hit<Intersector::fast>(ray, triangle), watertight(ray, triangle)}) {
     REQUIRE(found);
     CHECK(found->t == Approx(4.0f).epsilon(4 * kUlp));
     CHECK(found->u == Approx(u).margin(4 * kUlp));
@@ -81,8 +80,7 @@ TEST_CASE("watertight finds no hit beyond a triangle along which the ray runs up
   const Triangle edge_on{{-0x1.4874ap-1f, 0x1.4f7bd4p-3f, -0x1.290802p-2f},
                          {-0x1.d41458p-1f, 0x1.6c91fap-4f, -0x1.b163aep-2f},
                          {-0x1.bb3368p-1f, 0x1.5562bep-5f, -0x1.62058ap-1f}};
-  const Ray ray{{-0x1.83b624p-1f, 0x1.001ccep-3f, -0x1.85724ep-2f},
-                {-0x1.bbea2p-4f, -0x1.55883cp-4f, -0x1.3e98c6p-2f}};
+  const Ray ray{{-0x1.83b624p-1f, 0x1.001ccep-3f, -0x1.85724ep-2f}, {-0x1.bbea2p-4f, -0x1.55883cp-4f, -0x1.3e98c6p-2f}};
   const auto hit = intersect_triangle(Intersector::watertight, ray, edge_on, 0.0f, kInfinity);
   REQUIRE(hit.has_value());
   CHECK(std::abs(hit->t - 1.0f) <= 0x1p-22f);
@@ -132,8 +130,7 @@ TEST_CASE("direction components too small to matter count as zero", "[stability]
   }
 }
 
-TEST_CASE("a ray through a shared edge or vertex hits at least one of the triangles that meet there",
-          "[stability]") {
+TEST_CASE("a ray through a shared edge or vertex hits at least one of the triangles that meet there", "[stability]") {
   const FlushDenormals flush;
   // A fan of four triangles around a centre, in a slanted plane; 1e-19: areas are no floats any more.
   for (const float scale : {1.0f, 1e-6f, 1e-12f, 1e-19f, 1e12f}) {
@@ -143,8 +140,7 @@ TEST_CASE("a ray through a shared edge or vertex hits at least one of the triang
     std::size_t misses_of_book = 0;
     for (int i = 0; i < 4000; ++i) {
       const vec3 toward = center + static_cast<float>(i % 100) / 128.0f * (rim[i / 1000] - center);
-      const vec3 origin =
-          scale * vec3(0.003f * static_cast<float>(i % 17), 0.002f * static_cast<float>(i % 23), -1);
+      const vec3 origin = scale * vec3(0.003f * static_cast<float>(i % 17), 0.002f * static_cast<float>(i % 23), -1);
       const Ray ray{origin, toward - origin};
       int hits = 0, hits_of_book = 0;
       for (int k = 0; k < 4; ++k) {

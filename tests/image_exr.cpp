@@ -126,8 +126,8 @@ TEST_CASE("layers keep their values, floats to the bit", "[unit][image]") {
   const ImageInfo info = read_image_info(folder / "a.exr");
   CHECK(info.width == 3);
   CHECK(info.height == 2);
-  CHECK(info.channels == std::vector<std::string>{"A half", "B half", "G half", "R half", "Z float",
-                                                  "albedo.R half", "sampleCount float"});
+  CHECK(info.channels == std::vector<std::string>{"A half", "B half", "G half", "R half", "Z float", "albedo.R half",
+                                                  "sampleCount float"});
 }
 
 TEST_CASE("attributes come back as they were", "[unit][image]") {
@@ -256,8 +256,7 @@ TEST_CASE("an EXR file that cannot be written leaves the old one", "[unit][image
                [&] { write_exr(file / "b.exr", numbered(2, 2)); });
   {
     const FileSizeLimit limit(100);
-    expect_error(ErrorKind::output, file.string(), {"cannot be written"},
-                 [&] { write_exr(file, numbered(9, 9)); });
+    expect_error(ErrorKind::output, file.string(), {"cannot be written"}, [&] { write_exr(file, numbered(9, 9)); });
   }
   CHECK(read_text(file) == "old");
   CHECK(folder.entries() == 1);

@@ -73,8 +73,7 @@ TEST_CASE("an exact sum does not depend on order or grouping, where a float sum 
   CHECK(naive_differs);
 }
 
-TEST_CASE("an exact sum keeps floats from 2^-32 to 2^40 as they are, and subtracts what it added",
-          "[unit][image]") {
+TEST_CASE("an exact sum keeps floats from 2^-32 to 2^40 as they are, and subtracts what it added", "[unit][image]") {
   for (const float x : {0x1p-32f, 0x1.fffffep-32f, 0.1f, 1.0f, 65504.0f, 0x1.234566p39f, 0x1p40f}) {
     CHECK(value_of(x) == x);
     CHECK(value_of(-x) == -x);

@@ -113,8 +113,7 @@ TEST_CASE("pixels differ when their bits do", "[unit][image]") {
   CHECK(image_error(grey_row({0.0f, 1.0f}), grey_row({0.0f, std::nextafter(1.0f, 2.0f)})).different_pixels == 1);
 }
 
-TEST_CASE("the mean ratio of black pictures is one, and against a black reference it is infinite",
-          "[unit][image]") {
+TEST_CASE("the mean ratio of black pictures is one, and against a black reference it is infinite", "[unit][image]") {
   const Image black = grey_row({0.0f, 0.0f});
   CHECK(image_error(black, black).mean_ratio == 1.0);
   CHECK(image_error(black, black).mean_ratio_error == 0.0);

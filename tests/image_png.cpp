@@ -157,8 +157,7 @@ TEST_CASE("a picture's name is refused before anything is written", "[unit][imag
     const fs::path file = folder / name;
     INFO(file);
     expect_error(ErrorKind::usage, file.string(), {"expected .exr or .png"}, [&] { check_writable_image(file); });
-    expect_error(ErrorKind::usage, file.string(), {"expected .exr or .png"},
-                 [&] { write_image(file, Image(1, 1)); });
+    expect_error(ErrorKind::usage, file.string(), {"expected .exr or .png"}, [&] { write_image(file, Image(1, 1)); });
   }
   fs::create_directory(folder / "folder.png");
   for (const char* name : {"missing/a.png", "folder.png", "missing/a.exr"}) {

@@ -82,8 +82,7 @@ TEST_CASE("raylab-image compare prints the errors", "[cli][image]") {
 
 TEST_CASE("raylab-image convert goes from EXR to PNG and back, with exposure", "[cli][image]") {
   const Pictures folder;
-  const ProgramResult png =
-      raylab_image({"convert", folder.name("b.exr"), folder.name("b.png"), "--exposure", "-2"});
+  const ProgramResult png = raylab_image({"convert", folder.name("b.exr"), folder.name("b.png"), "--exposure", "-2"});
   CHECK(png.err.empty());
   CHECK(png.exit_code == 0);
   CHECK(read_image8(folder / "b.png").rgb == std::vector<std::uint8_t>{137, 137, 137, 188, 188, 188});

@@ -39,8 +39,7 @@ TEST_CASE("illum 2 is lambertian, with Ke a light, illum 3 metal and illum 6 a d
   CHECK(diffuse.material().kind == Material::Kind::lambertian);
   CHECK(diffuse.material().color.a == Rgb(0.1f, 0.2f, 0.3f));
   CHECK(diffuse.read.warnings.empty());
-  CHECK(any_line(diffuse.read.notes, diffuse.folder.at("mesh.mtl:1"),
-                 {"\"a\": lambertian, albedo (0.1, 0.2, 0.3)"}));
+  CHECK(any_line(diffuse.read.notes, diffuse.folder.at("mesh.mtl:1"), {"\"a\": lambertian, albedo (0.1, 0.2, 0.3)"}));
   const OneMaterial light("illum 2\nKd 0 0 0\nKe 15 14 13\n");
   CHECK(light.material().kind == Material::Kind::diffuse_light);
   CHECK(light.material().color.a == Rgb(15.0f, 14.0f, 13.0f));
@@ -100,12 +99,11 @@ TEST_CASE("bad values in an MTL file are refused with file:line and value", "[un
     int line;
     const char* part;
   };
-  const std::vector<Case> cases = {{"Kd 1 x 1\n", 2, "found \"x\""},    {"\nKd 1 1\n", 3, "found \"1 1\""},
-                                   {"Ke -1 0 0\n", 2, "found \"-1\""},  {"Ks nan 0 0\n", 2, "found \"nan\""},
-                                   {"Ke 1e39 0 0\n", 2, "1e39"},        {"Ns shiny\n", 2, "found \"shiny\""},
-                                   {"Ni 0\n", 2, "found \"0\""},        {"Ni -1.5\n", 2, "found \"-1.5\""},
-                                   {"illum 2.5\n", 2, "found \"2.5\""}, {"illum 11\n", 2, "found \"11\""},
-                                   {"newmtl\n", 2, "newmtl"},           {"map_Kd -s 1 1 1\n", 2, "file name"}};
+  const std::vector<Case> cases = {
+      {"Kd 1 x 1\n", 2, "found \"x\""},     {"\nKd 1 1\n", 3, "found \"1 1\""}, {"Ke -1 0 0\n", 2, "found \"-1\""},
+      {"Ks nan 0 0\n", 2, "found \"nan\""}, {"Ke 1e39 0 0\n", 2, "1e39"},       {"Ns shiny\n", 2, "found \"shiny\""},
+      {"Ni 0\n", 2, "found \"0\""},         {"Ni -1.5\n", 2, "found \"-1.5\""}, {"illum 2.5\n", 2, "found \"2.5\""},
+      {"illum 11\n", 2, "found \"11\""},    {"newmtl\n", 2, "newmtl"},          {"map_Kd -s 1 1 1\n", 2, "file name"}};
   for (const Case& bad : cases) {
     INFO(bad.lines);
     InputFolder folder;
@@ -150,8 +148,8 @@ TEST_CASE("names of materials and of MTL files may hold spaces", "[unit]") {
   InputFolder folder;
   folder.write("my scene.mtl", "newmtl dark wood \nKd 1 0 0\nnewmtl dark\nKd 0 1 0\n");
   folder.write("other.MTL", "newmtl #2 paint\r\nKd 0 0 1\r\n");
-  const ObjMesh read = folder.obj("mtllib my scene.mtl other.MTL\nusemtl  dark wood\t\n" + kTriangle +
-                                  "usemtl #2 paint\r\nf 1 2 3\n");
+  const ObjMesh read =
+      folder.obj("mtllib my scene.mtl other.MTL\nusemtl  dark wood\t\n" + kTriangle + "usemtl #2 paint\r\nf 1 2 3\n");
   CHECK(read.warnings.empty());
   CHECK(read.materials.at(read.mesh_materials.of(0)).color.a == Rgb(1.0f, 0.0f, 0.0f));
   CHECK(read.materials.at(read.mesh_materials.of(1)).color.a == Rgb(0.0f, 0.0f, 1.0f));

@@ -114,11 +114,9 @@ TEST_CASE("faces without texture coordinates get (0, 0) when others have some", 
   CHECK(mesh.texcoords.at(mesh.texcoord_corners(1).y) == vec2(0.0f));
 }
 
-TEST_CASE("normals are made unit length, and those of length zero replaced by the face's with a warning",
-          "[unit]") {
+TEST_CASE("normals are made unit length, and those of length zero replaced by the face's with a warning", "[unit]") {
   InputFolder folder;
-  const ObjMesh read =
-      folder.obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 3e30 4e30\nvn 0 0 0\nvn 0 0 -0\nf 1//1 2//2 3//3\n");
+  const ObjMesh read = folder.obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 3e30 4e30\nvn 0 0 0\nvn 0 0 -0\nf 1//1 2//2 3//3\n");
   const auto normal = [&](int corner) { return read.mesh.normals.at(read.mesh.normal_corners(0)[corner]); };
   CHECK(glm::length(normal(0) - vec3(0.0f, 0.6f, 0.8f)) < 1e-6f);
   CHECK(normal(1) == vec3(0.0f, 0.0f, 1.0f));
@@ -147,8 +145,7 @@ TEST_CASE("polygons of every shape are covered once by triangles of their windin
   check_polygon({{4, 4}, {0, 1}, {-4, 4}, {0, 0}}, 4.0);
   // An L, a comb, and a square with a corner in the middle of each side.
   check_polygon({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 3.0);
-  check_polygon({{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}},
-                11.0);
+  check_polygon({{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}}, 11.0);
   check_polygon({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}, 4.0);
   // A square with a square hole, joined by a bridge that is passed twice.
   check_polygon({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {0, 0}, {1, 1}, {1, 2}, {2, 2}, {2, 1}, {1, 1}}, 8.0);
@@ -163,8 +160,7 @@ TEST_CASE("star polygons of random radii are covered once", "[unit]") {
       const float angle = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(count);
       // Coordinates of few digits, so that the text holds them exactly.
       const float radius = 1.0f + static_cast<float>(random() % 64);
-      corners.emplace_back(std::round(16.0f * radius * std::cos(angle)),
-                           std::round(16.0f * radius * std::sin(angle)));
+      corners.emplace_back(std::round(16.0f * radius * std::cos(angle)), std::round(16.0f * radius * std::sin(angle)));
     }
     double area = 0.0;
     for (int i = 0; i < count; ++i) {
@@ -209,12 +205,11 @@ TEST_CASE("a polygon that crosses itself becomes a fan with a warning", "[unit]"
 
 TEST_CASE("attributes follow the corners of a polygon into its triangles", "[unit]") {
   InputFolder folder;
-  const TriangleMesh mesh =
-      folder
-          .obj(
-              "v 0 0 0\nv 4 4 0\nv 0 1 0\nv -4 4 0\nvt 0 0\nvt 4 4\nvt 0 1\nvt -4 4\nvt 9 9\n"
-              "f 1/1 2/2 3/3 4/4\nf 1/5 2/5 3/5\n")
-          .mesh;
+  const TriangleMesh mesh = folder
+                                .obj(
+                                    "v 0 0 0\nv 4 4 0\nv 0 1 0\nv -4 4 0\nvt 0 0\nvt 4 4\nvt 0 1\nvt -4 4\nvt 9 9\n"
+                                    "f 1/1 2/2 3/3 4/4\nf 1/5 2/5 3/5\n")
+                                .mesh;
   for (std::uint32_t t = 0; t < 2; ++t) {
     for (int c = 0; c < 3; ++c) {
       const vec3 p = mesh.positions[mesh.triangles[t][c]];

@@ -31,8 +31,7 @@ void expect_all(const std::vector<BadObj>& files) {
 
 TEST_CASE("a missing OBJ file is refused by name", "[unit]") {
   InputFolder folder;
-  expect_error(ErrorKind::input, folder.at("absent.obj"), {"No such file"},
-               [&] { read_obj(folder / "absent.obj"); });
+  expect_error(ErrorKind::input, folder.at("absent.obj"), {"No such file"}, [&] { read_obj(folder / "absent.obj"); });
 }
 
 TEST_CASE("indices that are zero, out of range or no integers are refused", "[unit]") {

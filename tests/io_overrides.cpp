@@ -41,8 +41,7 @@ TEST_CASE("an override replaces a value, adds a key or adds a table", "[unit]") 
 TEST_CASE("an override reaches into arrays of tables, arrays and quoted names", "[unit]") {
   InputFolder folder;
   const Scene scene =
-      folder.load(kScene, {"sphere.1.radius=0.25", "sphere.0.center.2=-4", "material.\"other name\".fuzz=0.5"})
-          .scene;
+      folder.load(kScene, {"sphere.1.radius=0.25", "sphere.0.center.2=-4", "material.\"other name\".fuzz=0.5"}).scene;
   CHECK(scene.geometry.spheres.at(0).radius == 1.0f);
   CHECK(scene.geometry.spheres.at(1).radius == 0.25f);
   CHECK(scene.geometry.spheres.at(0).center == vec3(0.0f, 0.0f, -4.0f));

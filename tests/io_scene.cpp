@@ -102,8 +102,7 @@ material = "lamp"
   CHECK(material(3).color.a == Rgb(4.0f, 5.0f, 6.0f));
   INFO(joined(loaded.notes));
   CHECK(any_line(loaded.notes, folder.at("scene.toml:1:1"), {"\"white\": lambertian, albedo (0.7, 0.8, 0.9)"}));
-  CHECK(any_line(loaded.notes, folder.at("scene.toml:8:1"),
-                 {"\"steel\": metal, albedo (0.5, 0.6, 0.7), fuzz 0.25"}));
+  CHECK(any_line(loaded.notes, folder.at("scene.toml:8:1"), {"\"steel\": metal, albedo (0.5, 0.6, 0.7), fuzz 0.25"}));
   CHECK(any_line(loaded.notes, folder.at("scene.toml:12:1"), {"\"glass\": dielectric, index 1.33"}));
   CHECK(any_line(loaded.notes, folder.at("scene.toml:15:1"), {"\"lamp\": diffuse_light, radiance (4, 5, 6)"}));
 }
@@ -183,8 +182,7 @@ TEST_CASE("the background is one colour, a gradient or an EXR picture", "[unit]"
   const Environment color = folder.load("[background]\ncolor = [1, 2, 3]\n").scene.environment;
   CHECK(color.kind == Environment::Kind::constant);
   CHECK(color.bottom == Rgb(1.0f, 2.0f, 3.0f));
-  const Environment gradient =
-      folder.load("[background]\nbottom = [1, 1, 1]\ntop = [0.5, 0.7, 1]\n").scene.environment;
+  const Environment gradient = folder.load("[background]\nbottom = [1, 1, 1]\ntop = [0.5, 0.7, 1]\n").scene.environment;
   CHECK(gradient.kind == Environment::Kind::gradient);
   CHECK(gradient.bottom == Rgb(1.0f));
   CHECK(gradient.top == Rgb(0.5f, 0.7f, 1.0f));

@@ -42,9 +42,8 @@ TEST_CASE("a missing scene file and a folder in its place are refused by name", 
 TEST_CASE("a syntax error is placed where TOML breaks", "[unit]") {
   InputFolder folder;
   // The column is the parser's choice.
-  const std::vector<std::pair<std::string, std::string>> broken = {{"[camera]\nvfov = = 3\n", "2:"},
-                                                                   {"[render]\nwidth = 12px\n", "2:"},
-                                                                   {"[render]\nwidth = 1\nwidth = 2\n", "3:"}};
+  const std::vector<std::pair<std::string, std::string>> broken = {
+      {"[camera]\nvfov = = 3\n", "2:"}, {"[render]\nwidth = 12px\n", "2:"}, {"[render]\nwidth = 1\nwidth = 2\n", "3:"}};
   for (const auto& [toml, line] : broken) {
     INFO(toml);
     const std::string place = folder.at("scene.toml:" + line);
@@ -72,9 +71,8 @@ TEST_CASE("an unknown key is refused with the nearest known one", "[unit]") {
 
 TEST_CASE("a key that has no effect with the type of material is unknown", "[unit]") {
   InputFolder folder;
-  expect_all(folder,
-             {{kWhite + "material.white.fuzz = 0.5\n" + kBall, "2:16", {"unknown key \"fuzz\""}},
-              {"[material.white]\ntype = \"dielectric\"\nalbedo = [1, 1, 1]\n" + kBall, "3:1", {"albedo"}}});
+  expect_all(folder, {{kWhite + "material.white.fuzz = 0.5\n" + kBall, "2:16", {"unknown key \"fuzz\""}},
+                      {"[material.white]\ntype = \"dielectric\"\nalbedo = [1, 1, 1]\n" + kBall, "3:1", {"albedo"}}});
 }
 
 TEST_CASE("a value of the wrong type is refused with what was found and what was expected", "[unit]") {
@@ -121,9 +119,7 @@ TEST_CASE("numbers out of range are refused with the range", "[unit]") {
         "2:41",
         {"sphere.0.radius", "found 0", "above 0"}},
        // Smaller than the smallest float: it would become 0.
-       {kWhite + "sphere = [{center = [0, 0, 0], radius = 1e-60, material = \"white\"}]\n",
-        "2:41",
-        {"found 1e-60"}},
+       {kWhite + "sphere = [{center = [0, 0, 0], radius = 1e-60, material = \"white\"}]\n", "2:41", {"found 1e-60"}},
        {"[[mesh]]\nobj = \"a.obj\"\nscale = 0\n", "3:9", {"mesh.0.scale", "found 0"}},
        {kWhite + "material.white.albedo = { checker = 0, even = [0, 0, 0], odd = [1, 1, 1] }\n" + kBall,
         "2:37",
@@ -144,36 +140,33 @@ TEST_CASE("a camera without a direction is refused at the key that takes it away
 TEST_CASE("keys that exclude each other or need each other are refused", "[unit]") {
   InputFolder folder;
   const std::string albedo = kWhite + "material.white.albedo = ";
-  expect_all(
-      folder,
-      {{"[background]\ncolor = [0, 0, 0]\nimage = \"sky.exr\"\n", "3:9", {"only one of color"}},
-       {"[background]\ncolor = [0, 0, 0]\nbottom = [0, 0, 0]\ntop = [0, 0, 0]\n", "3:10", {"only one of color"}},
-       {"[background]\ntop = [0, 0, 0]\n", "2:7", {"bottom and top together"}},
-       {albedo + "{ checker = 1, image = \"a.png\" }\n" + kBall, "2:25", {"only one of image, checker"}},
-       {albedo + "{ checker = 1, even = [0, 0, 0] }\n" + kBall, "2:25", {"has no \"odd\""}},
-       {albedo + "{ checker = 1, evn = [0, 0, 0], odd = [0, 0, 0] }\n" + kBall, "2:40", {"\"evn\"", "\"even\""}},
-       {kWhite + "mesh = [{obj = \"a.obj\", material = \"white\", mtl = \"seed\"}]\n", "2:51", {"no effect"}},
-       {"mesh = [{obj = \"a.obj\", mtl = \"pbr\"}]\n", "1:31", {"found \"pbr\"", "\"seed\""}}});
+  expect_all(folder,
+             {{"[background]\ncolor = [0, 0, 0]\nimage = \"sky.exr\"\n", "3:9", {"only one of color"}},
+              {"[background]\ncolor = [0, 0, 0]\nbottom = [0, 0, 0]\ntop = [0, 0, 0]\n", "3:10", {"only one of color"}},
+              {"[background]\ntop = [0, 0, 0]\n", "2:7", {"bottom and top together"}},
+              {albedo + "{ checker = 1, image = \"a.png\" }\n" + kBall, "2:25", {"only one of image, checker"}},
+              {albedo + "{ checker = 1, even = [0, 0, 0] }\n" + kBall, "2:25", {"has no \"odd\""}},
+              {albedo + "{ checker = 1, evn = [0, 0, 0], odd = [0, 0, 0] }\n" + kBall, "2:40", {"\"evn\"", "\"even\""}},
+              {kWhite + "mesh = [{obj = \"a.obj\", material = \"white\", mtl = \"seed\"}]\n", "2:51", {"no effect"}},
+              {"mesh = [{obj = \"a.obj\", mtl = \"pbr\"}]\n", "1:31", {"found \"pbr\"", "\"seed\""}}});
 }
 
 TEST_CASE("required keys that are missing are named at their table", "[unit]") {
   InputFolder folder;
-  expect_all(folder,
-             {{"[material.white]\nalbedo = [0, 0, 0]\n" + kBall, "1:1", {"material.white", "\"type\""}},
-              {kWhite + "[[sphere]]\nradius = 1\nmaterial = \"white\"\n", "2:1", {"sphere.0", "\"center\""}},
-              {kWhite + "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n", "2:1", {"sphere.0", "\"material\""}},
-              {"[[mesh]]\nscale = 2\n", "1:1", {"mesh.0", "\"obj\""}}});
+  expect_all(folder, {{"[material.white]\nalbedo = [0, 0, 0]\n" + kBall, "1:1", {"material.white", "\"type\""}},
+                      {kWhite + "[[sphere]]\nradius = 1\nmaterial = \"white\"\n", "2:1", {"sphere.0", "\"center\""}},
+                      {kWhite + "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n", "2:1", {"sphere.0", "\"material\""}},
+                      {"[[mesh]]\nscale = 2\n", "1:1", {"mesh.0", "\"obj\""}}});
 }
 
 TEST_CASE("a material that is unknown, unused or of an unknown type is refused by name", "[unit]") {
   InputFolder folder;
-  expect_all(folder,
-             {{"[material.whyte]\ntype = \"lambertian\"\n" + kBall, "6:12", {"\"white\"", "\"whyte\""}},
-              {kBall, "4:12", {"\"white\"", "defines none"}},
-              {kWhite + "[material.spare]\ntype = \"metal\"\n" + kBall, "2:11", {"\"spare\"", "used by no"}},
-              {"[material.white]\ntype = \"lambertain\"\n" + kBall,
-               "2:8",
-               {"found \"lambertain\"", "diffuse_light", "nearest known type is \"lambertian\""}}});
+  expect_all(folder, {{"[material.whyte]\ntype = \"lambertian\"\n" + kBall, "6:12", {"\"white\"", "\"whyte\""}},
+                      {kBall, "4:12", {"\"white\"", "defines none"}},
+                      {kWhite + "[material.spare]\ntype = \"metal\"\n" + kBall, "2:11", {"\"spare\"", "used by no"}},
+                      {"[material.white]\ntype = \"lambertain\"\n" + kBall,
+                       "2:8",
+                       {"found \"lambertain\"", "diffuse_light", "nearest known type is \"lambertian\""}}});
 }
 
 TEST_CASE("files that the scene file names must exist and hold what they should", "[unit]") {
@@ -185,13 +178,12 @@ TEST_CASE("files that the scene file names must exist and hold what they should"
   dark.at(0, 0) = Rgb(0.0f, -1.0f, 0.0f);
   write_exr(folder / "dark.exr", dark);
   const std::string albedo = kWhite + "material.white.albedo = ";
-  expect_all(
-      folder,
-      {{"[[mesh]]\nobj = \"absent.obj\"\n", "2:7", {"found \"absent.obj\"", "an existing file"}},
-       {albedo + "{ image = \"absent.png\" }\n" + kBall, "2:35", {"found \"absent.png\"", "an existing file"}},
-       {albedo + "{ image = \"bright.exr\" }\n" + kBall, "2:35", {"(2, 2, 2)", "[0, 1]"}},
-       {"[background]\nimage = \"absent.exr\"\n", "2:9", {"found \"absent.exr\"", "an existing file"}},
-       {"[background]\nimage = \"sky.png\"\n", "2:9", {"found \"sky.png\"", "EXR"}}});
+  expect_all(folder,
+             {{"[[mesh]]\nobj = \"absent.obj\"\n", "2:7", {"found \"absent.obj\"", "an existing file"}},
+              {albedo + "{ image = \"absent.png\" }\n" + kBall, "2:35", {"found \"absent.png\"", "an existing file"}},
+              {albedo + "{ image = \"bright.exr\" }\n" + kBall, "2:35", {"(2, 2, 2)", "[0, 1]"}},
+              {"[background]\nimage = \"absent.exr\"\n", "2:9", {"found \"absent.exr\"", "an existing file"}},
+              {"[background]\nimage = \"sky.png\"\n", "2:9", {"found \"sky.png\"", "EXR"}}});
   expect_error(ErrorKind::input, folder.at("dark.exr"), {"pixel (0, 0)", "(0, -1, 0)"},
                [&] { folder.load("[background]\nimage = \"dark.exr\"\n"); });
 }
@@ -205,6 +197,5 @@ TEST_CASE("a mesh that its transform takes out of the range of floats is refused
 TEST_CASE("a scene is checked to its end before its meshes are loaded", "[unit]") {
   InputFolder folder;
   folder.write("bad.obj", "v nan 0 0\n");
-  expect_all(folder,
-             {{"[[mesh]]\nobj = \"bad.obj\"\n[[mesh]]\nobj = \"bad.obj\"\nscael = 1\n", "5:1", {"scael"}}});
+  expect_all(folder, {{"[[mesh]]\nobj = \"bad.obj\"\n[[mesh]]\nobj = \"bad.obj\"\nscael = 1\n", "5:1", {"scael"}}});
 }

@@ -67,8 +67,7 @@ TEST_CASE("planted misses, hits, wrong distances and wrong occlusion are each fo
 TEST_CASE("of two triangles that coincide either may be named, but no third", "[unit]") {
   Geometry geometry = one_triangle();
   geometry.meshes[0].triangles = {{0, 1, 2}, {0, 1, 2}, {3, 4, 5}};
-  for (int k = 0; k < 3; ++k)
-    geometry.meshes[0].positions.push_back(geometry.meshes[0].positions[k] + vec3(0, 0, 1));
+  for (int k = 0; k < 3; ++k) geometry.meshes[0].positions.push_back(geometry.meshes[0].positions[k] + vec3(0, 0, 1));
   const auto judge = make_accelerator("list", geometry);
   for (const std::uint32_t named : {0u, 1u, 2u}) {
     const ChangedAnswers tested(*judge, [named](const Ray&, std::optional<Hit> h) {
@@ -120,9 +119,8 @@ TEST_CASE("a disagreement is told with floats that replay it", "[unit]") {
 TEST_CASE("ray sets are the same for the same seed, and do what they say", "[unit]") {
   const Bounds bounds{vec3(-1.0f), vec3(1.0f, 2.0f, 3.0f)};
   const auto same = [](const std::vector<Ray>& a, const std::vector<Ray>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Ray& x, const Ray& y) {
-      return x.origin == y.origin && x.direction == y.direction;
-    });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Ray& x, const Ray& y) { return x.origin == y.origin && x.direction == y.direction; });
   };
   CHECK(same(random_rays(bounds, 100, 1), random_rays(bounds, 100, 1)));
   CHECK_FALSE(same(random_rays(bounds, 100, 1), random_rays(bounds, 100, 2)));

@@ -69,8 +69,7 @@ TEST_CASE("the error that a reference tells of itself is that against the truth"
   }
   const Reference reference = make_reference(a, b);
   const ImageError real = image_error(reference.image, truth);
-  CHECK(reference.relmse ==
-        Approx(real.relmse).epsilon(0.1));  // pixels vary: the divisor is not quite the truth's
+  CHECK(reference.relmse == Approx(real.relmse).epsilon(0.1));  // pixels vary: the divisor is not quite the truth's
   CHECK(reference.mean_ratio_error == Approx(real.mean_ratio_error).epsilon(0.02));
 }
 

@@ -132,8 +132,7 @@ TEST_CASE("rays lost at vertices are leaks, but at the vertices of a silhouette 
   CHECK(errors.false_misses.count == 0);
 
   // An octahedron seen along z: four of its edges, and their ends, are the silhouette.
-  TriangleMesh octahedron{
-      {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}, {}, {}, {}, {}, {}};
+  TriangleMesh octahedron{{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}, {}, {}, {}, {}, {}};
   for (std::uint32_t i = 0; i < 4; ++i) {
     octahedron.triangles.emplace_back(i, (i + 1) % 4, 4);
     octahedron.triangles.emplace_back((i + 1) % 4, i, 5);
@@ -156,12 +155,8 @@ TEST_CASE("a ray from a floor to the corner of an open rim is undecided, not a l
   // A floor, a wall and a ceiling; the front at z = 0 is open. All rays around one to the corner at x = 0, y = 1
   // that pass through the front do so further down, so beside it they would have to start below the floor.
   Bench bench;
-  TriangleMesh room{{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}},
-                    {},
-                    {},
-                    {},
-                    {},
-                    {}};
+  TriangleMesh room{
+      {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}, {}, {}, {}, {}, {}};
   for (const auto& [a, b, c, d] :
        std::initializer_list<std::array<std::uint32_t, 4>>{{0, 1, 2, 3}, {0, 3, 7, 4}, {4, 5, 6, 7}}) {
     room.triangles.emplace_back(a, b, c);
@@ -183,13 +178,9 @@ TEST_CASE("a ray from a floor to the corner of an open rim is undecided, not a l
 TEST_CASE("a ray lost that starts as near to the wall as floats can tell is a leak like any other", "[unit]") {
   Bench bench;
   const float s = 0x1p50f;
-  bench.geometry = {{{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}, {0, 0, s}},
-                      {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}},
-                      {},
-                      {},
-                      {},
-                      {}}},
-                    {}};
+  bench.geometry = {
+      {{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}, {0, 0, s}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, {}, {}, {}, {}}},
+      {}};
   bench.exact = make_accelerator("exact", bench.geometry);
   bench.rays.clear();
   for (const float length : {0x1p-60f, 1.0f, 0x1p20f}) {

@@ -72,8 +72,7 @@ TEST_CASE("a relMSE has changed beyond two standard errors of the difference", "
   CHECK(changes[0].change == Change::less_accurate);
 }
 
-TEST_CASE("one wrong answer more is a change, and counts are compared by their share of the rays",
-          "[unit][measure]") {
+TEST_CASE("one wrong answer more is a change, and counts are compared by their share of the rays", "[unit][measure]") {
   Row after = rays_row("bvh", 4.0, 3.8, 4.2);
   after["false_hits"] = 6;
   const auto worse = compare({rays_row("bvh", 4.0, 3.8, 4.2)}, {after}).changes;

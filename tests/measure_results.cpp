@@ -54,8 +54,7 @@ TEST_CASE("a results folder gives back the rows that were added", "[unit][measur
   CHECK(read_results(folder / "new").runs[0]["complete"] == true);
 }
 
-TEST_CASE("a row measured anew takes the place of the old one, and the rest of the folder stays",
-          "[unit][measure]") {
+TEST_CASE("a row measured anew takes the place of the old one, and the rest of the folder stays", "[unit][measure]") {
   const TempFolder folder;
   ResultsFolder(folder.path(), "rays", "first").add({row("bvh", 2.5), row("embree", 3.5)});
   ResultsFolder(folder.path(), "rays", "second").add({row("bvh", 2.75), row("list", 0.5)});
@@ -134,8 +133,7 @@ TEST_CASE("results.json that is cut off is refused with the place where it ends"
   const std::string whole = read_text(folder / "results.json");
   const std::string file = (folder / "results.json").string();
   write_text(folder / "results.json", whole.substr(0, whole.find("\"rows\"") + 12));
-  const auto lines =
-      std::count(whole.begin(), whole.begin() + static_cast<long>(whole.find("\"rows\"")), '\n') + 2;
+  const auto lines = std::count(whole.begin(), whole.begin() + static_cast<long>(whole.find("\"rows\"")), '\n') + 2;
   expect_error(ErrorKind::input, file + ":" + std::to_string(lines) + ":3", {"truncated"},
                [&] { (void)read_results(folder.path()); });
   write_text(folder / "results.json", "{\n \"machine\": {},\n \"rows\": nonsense\n}\n");

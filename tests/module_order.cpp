@@ -96,7 +96,8 @@ std::string resolved(const Include& include) {
 
 bool starts(const std::string& text, const std::string& start) { return text.compare(0, start.size(), start) == 0; }
 
-/// The module of include/raylab/MODULE/x.hpp or src/MODULE/x.cpp; the folder, such as apps/render/, of a program's file.
+/// The module of include/raylab/MODULE/x.hpp or src/MODULE/x.cpp; the folder, such as apps/render/, of a program's
+/// file.
 std::string module_of(const std::string& path) {
   for (const std::string start : {"include/raylab/", "src/"}) {
     if (starts(path, start)) return path.substr(start.size(), path.find('/', start.size()) - start.size());

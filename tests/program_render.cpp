@@ -1,9 +1,9 @@
 // raylab-render as its user meets it: options, exit codes, messages, files.
-#include <nlohmann/json.hpp>
 #include <signal.h>
 
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "catch.hpp"
@@ -81,21 +81,21 @@ TEST_CASE("raylab-render writes each picture it is asked for and reports what it
   const SmallScene small;
   const std::string png = (small / "ball.png").string();
   const std::string stats = (small / "stats.json").string();
-  const ProgramResult result =
-      raylab_render({small.scene, "-o", small.output, "-o", png, "--stats", stats, "--layers",
-                     "albedo,normal,depth,variance,samples", "--seed", "9", "--threads", "2"});
+  const ProgramResult result = raylab_render({small.scene, "-o", small.output, "-o", png, "--stats", stats, "--layers",
+                                              "albedo,normal,depth,variance,samples", "--seed", "9", "--threads", "2"});
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   CHECK(result.err.empty());
-  for (const char* part : {"1 spheres", "built in", "camera", "shadow", "Mrays/s", "Mpaths/s", "relMSE", "dropped    0"}) {
+  for (const char* part :
+       {"1 spheres", "built in", "camera", "shadow", "Mrays/s", "Mpaths/s", "relMSE", "dropped    0"}) {
     INFO(part << " in " << result.out);
     CHECK(result.out.find(part) != std::string::npos);
   }
   const Image picture = read_exr(small.output);
   CHECK(picture.width == 16);
   CHECK(picture.height == 8);
-  CHECK(picture.at(0, 0) == Rgb(1.0f));       // the sky
-  CHECK(picture.at(8, 4).r < 0.9f);           // the ball
+  CHECK(picture.at(0, 0) == Rgb(1.0f));  // the sky
+  CHECK(picture.at(8, 4).r < 0.9f);      // the ball
   CHECK(read_image8(png).width == 16);
   const Attributes attributes = read_exr_attributes(small.output);
   CHECK(attributes.at("raylab.seed") == "9");
@@ -157,8 +157,8 @@ TEST_CASE("the build quality has an old name, which the help does not show", "[c
   const SmallScene small;
   const std::string stats = small.output + ".json";
   for (const std::string option : {"--quality", "--bvh-quality"}) {
-    REQUIRE(raylab_render({small.scene, "-o", small.output, "--accel", "embree", "--compact", option, "best",
-                           "--stats", stats, "--quiet"})
+    REQUIRE(raylab_render({small.scene, "-o", small.output, "--accel", "embree", "--compact", option, "best", "--stats",
+                           stats, "--quiet"})
                 .exit_code == 0);
     const auto json = nlohmann::json::parse(read_text(stats));
     CHECK(json["quality"] == "best");
@@ -267,8 +267,9 @@ TEST_CASE("a missing texture is a warning by name and shows in magenta", "[cli]"
   write_text(small / "wall.mtl", "newmtl wall\nillum 2\nKd 1 1 1\nmap_Kd missing.png\n");
   write_text(small / "wall.obj",
              "mtllib wall.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nvt 0 0\nusemtl wall\nf 1/1 2/1 3/1 4/1\n");
-  write_text(small.scene, "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [1, 1, 1]\n"
-                          "[[mesh]]\nobj = \"wall.obj\"\n");
+  write_text(small.scene,
+             "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [1, 1, 1]\n"
+             "[[mesh]]\nobj = \"wall.obj\"\n");
   const ProgramResult result =
       raylab_render({small.scene, "-o", small.output, "--width", "4", "--height", "4", "--spp", "16"});
   INFO(result.err);
@@ -283,7 +284,8 @@ TEST_CASE("a missing texture is a warning by name and shows in magenta", "[cli]"
 
 TEST_CASE("an empty scene renders its background, with a warning", "[cli]") {
   const SmallScene small;
-  write_text(small.scene, "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [0.25, 0.5, 1]\n");
+  write_text(small.scene,
+             "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [0.25, 0.5, 1]\n");
   const ProgramResult result = raylab_render({small.scene, "-o", small.output, "--width", "2", "--height", "2"});
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("warning") != std::string::npos);

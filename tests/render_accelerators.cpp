@@ -47,9 +47,8 @@ TEST_CASE("pictures of all accelerators agree with the list's at equal seed", "[
     }
     const std::string label =
         choice.name + (choice.intersector ? ", " + std::string(intersector_name(*choice.intersector)) : "");
-    WARN(label << ": of 1024 pixels " << different_pixels(film, reference)
-               << " differ from the list's in some bit, " << visible << " by more than 1%; mean ratio "
-               << found.mean / expected.mean);
+    WARN(label << ": of 1024 pixels " << different_pixels(film, reference) << " differ from the list's in some bit, "
+               << visible << " by more than 1%; mean ratio " << found.mean / expected.mean);
     CHECK(std::abs(found.mean - expected.mean) < 4.0 * expected.error);
     CHECK(visible < 1024 / 10);
     if (choice.name == "list" && !choice.intersector) CHECK(different_pixels(film, reference) == 0);

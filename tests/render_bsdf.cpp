@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "glm_formulas.hpp"
 #include "core_statistics.hpp"
+#include "glm_formulas.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
@@ -140,8 +140,7 @@ TEST_CASE("a lambertian surface's samples follow its density", "[statistical][bs
   }
 }
 
-TEST_CASE("a fuzzy metal's samples follow its density, whatever the fuzz and the incidence",
-          "[statistical][bsdf]") {
+TEST_CASE("a fuzzy metal's samples follow its density, whatever the fuzz and the incidence", "[statistical][bsdf]") {
   for (const float fuzz : {0.05f, 0.3f, 0.75f, 1.0f}) {
     for (const double angle : {0.0, 30.0, 60.0, 85.0}) {
       INFO("fuzz " << fuzz << ", " << angle << " degrees");
@@ -171,7 +170,8 @@ TEST_CASE("the density of another fuzz does not pass for that of the samples", "
   const vec3 wo = from_angle(30.0);
   const Grid grid(mirror(wo), 0.31);
   const Material m = metal(grey(1.0f), 0.31f);
-  std::vector<double> expected = grid.integrate([&](const vec3& w) { return test::eval_bsdf(m, Rgb(1.0f), wo, w).pdf; });
+  std::vector<double> expected =
+      grid.integrate([&](const vec3& w) { return test::eval_bsdf(m, Rgb(1.0f), wo, w).pdf; });
   for (double& p : expected) p *= 200000.0;
   std::vector<double> counted(expected.size(), 0.0);
   for (std::uint64_t i = 0; i < 200000; ++i) {
@@ -262,9 +262,8 @@ TEST_CASE("glass reflects the fraction of Fresnel's equations from both sides", 
   };
   // Computed apart from this program, with sines and tangents of angles; Schlick's approximation with the inside
   // cosine gives 0.041 in place of 0.245 at 40 degrees from inside.
-  const Known from_inside[] = {{35.0, 0.0861379914688122},  {38.0, 0.14218118093166612},
-                               {40.0, 0.24529120428690981}, {41.0, 0.37975126596244024},
-                               {41.5, 0.5416199915153559},  {41.8, 0.8907719214997081}};
+  const Known from_inside[] = {{35.0, 0.0861379914688122},  {38.0, 0.14218118093166612}, {40.0, 0.24529120428690981},
+                               {41.0, 0.37975126596244024}, {41.5, 0.5416199915153559},  {41.8, 0.8907719214997081}};
   const Known from_outside[] = {{0.0, 0.04},
                                 {30.0, 0.04152262597582155},
                                 {45.0, 0.050239911012235954},
@@ -303,13 +302,13 @@ TEST_CASE("beyond the critical angle, and only there, all light is reflected", "
     CHECK(fresnel_dielectric(cosine, 1.0f / 1.5f, cos_t) == 1.0f);
     CHECK(cos_t == 0.0f);
     CHECK(fresnel_dielectric(cosine, 1.5f, cos_t) < 1.0f);
-    const GlmBsdfSample s = test::sample_bsdf(glass(), Rgb(1.0f), from_angle(degrees), true, vec2(0.5f), kOneMinusEpsilon);
+    const GlmBsdfSample s =
+        test::sample_bsdf(glass(), Rgb(1.0f), from_angle(degrees), true, vec2(0.5f), kOneMinusEpsilon);
     CHECK(s.wi == mirror(from_angle(degrees)));
     CHECK(s.weight == Rgb(1.0f));
     CHECK(s.eta_squared == 1.0f);
   }
-  CHECK(fresnel_dielectric(static_cast<float>(std::cos((critical - 0.01) * kPiD / 180.0)), 1.0f / 1.5f, cos_t) <
-        1.0f);
+  CHECK(fresnel_dielectric(static_cast<float>(std::cos((critical - 0.01) * kPiD / 180.0)), 1.0f / 1.5f, cos_t) < 1.0f);
   // Without a step in the index there is no boundary.
   CHECK(fresnel_dielectric(0.3f, 1.0f, cos_t) == Approx(0.0f).margin(1e-7));
   CHECK(cos_t == Approx(0.3f));

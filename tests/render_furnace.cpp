@@ -23,8 +23,8 @@ std::vector<Method> methods() {
   std::vector<Method> all;
   for (const auto integrator : {IntegratorKind::path, IntegratorKind::book}) {
     for (const auto sampler : {SamplerKind::independent, SamplerKind::sobol}) {
-      all.push_back({std::string(integrator_name(integrator)) + ", " + std::string(sampler_name(sampler)),
-                     integrator, sampler});
+      all.push_back(
+          {std::string(integrator_name(integrator)) + ", " + std::string(sampler_name(sampler)), integrator, sampler});
     }
   }
   return all;

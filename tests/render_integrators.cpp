@@ -125,8 +125,8 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-Estimate estimate(const SeenScene& scene, IntegratorKind kind, SamplerKind sampler, int max_depth,
-                  std::uint32_t seed, bool all) {
+Estimate estimate(const SeenScene& scene, IntegratorKind kind, SamplerKind sampler, int max_depth, std::uint32_t seed,
+                  bool all) {
   RenderOptions options = render_options(12, 12, 400, max_depth);
   options.integrator.kind = kind;
   options.sampler = sampler;
@@ -149,8 +149,8 @@ TEST_CASE("path and book agree on the mean of every scene", "[statistical][integ
     const Estimate sobol = estimate(scene, K::path, SamplerKind::sobol, c.max_depth, ++seed, false);
     const Estimate all = estimate(scene, K::path, SamplerKind::independent, c.max_depth, ++seed, true);
     INFO(c.name << ": book " << book.mean << " ± " << book.error << ", path " << path.mean << " ± " << path.error
-                << ", with Sobol " << sobol.mean << " ± " << sobol.error << ", with everything on " << all.mean
-                << " ± " << all.error);
+                << ", with Sobol " << sobol.mean << " ± " << sobol.error << ", with everything on " << all.mean << " ± "
+                << all.error);
     CHECK(book.mean > 0.0);
     CHECK(book.error < 0.03 * book.mean);
     CHECK(path.error < 0.02 * path.mean);
@@ -173,7 +173,7 @@ TEST_CASE("path and book agree on the mean of every shipped scene", "[statistica
   // Enough samples for the errors to be small; the sun of the globe is a rare thing to find by scattering alone.
   const Shipped shipped[] = {{"cornell", 2000, 1000, 0.01},     {"one-weekend", 500, 500, 0.005},
                              {"mirror-room", 2000, 1000, 0.01}, {"dragon", 1000, 500, 0.005},
-                             {"bunny", 2000, 1000, 0.01},      {"globe", 2500, 200, 0.01},
+                             {"bunny", 2000, 1000, 0.01},       {"globe", 2500, 200, 0.01},
                              {"forest", 500, 200, 0.005}};
   for (const Shipped& s : shipped) {
     const auto file = shipped_scene(s.name);

@@ -5,11 +5,11 @@
 
 #include "catch.hpp"
 #include "core_statistics.hpp"
+#include "glm_formulas.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"
-#include "glm_formulas.hpp"
-#include "render/lights.hpp"
 #include "raylab/scene/surface_point.hpp"
+#include "render/lights.hpp"
 #include "test_scenes.hpp"
 
 using namespace raylab;
@@ -72,8 +72,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
       const double cosine = 1.0 - widest * (i + static_cast<double>(r.x)) / (kRings * fine);
       const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
       const double phi = 2.0 * kPiD * ((k + static_cast<double>(r.y)) / (kSectors * fine) - 0.5);
-      const vec3 wi =
-          glm::normalize(frame.to_world(vec3(dvec3(sine * std::cos(phi), sine * std::sin(phi), cosine))));
+      const vec3 wi = glm::normalize(frame.to_world(vec3(dvec3(sine * std::cos(phi), sine * std::sin(phi), cosine))));
       const double mass = density(scene, lights, *accelerator, p, wi) * solid_angle;
       expected[(i / fine) * kSectors + k / fine] += mass * count;
       integral += mass;
@@ -117,8 +116,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
     worst_pdf = std::max(worst_pdf, std::abs(1.0 - static_cast<double>(pdf) / s.pdf));
     if (scene.materials[material].color.kind != Texture::Kind::checker) {
       const Rgb met = texture_color(scene.materials[material].color, scene.textures, point.position, point.uv);
-      worst_radiance =
-          std::max(worst_radiance, static_cast<double>(glm::length(met - s.radiance)) / luminance(met));
+      worst_radiance = std::max(worst_radiance, static_cast<double>(glm::length(met - s.radiance)) / luminance(met));
     }
   }
   CHECK(integral == Approx(1.0).epsilon(4e-3));
@@ -151,9 +149,7 @@ TEST_CASE("points of a sphere light are chosen with the density it is met with",
   SECTION("from just above it") { compare_with_density(scene, vec3(1, 0.49f, 3), vec3(0, 1, 0), 84.0); }
   SECTION("from its centre") { compare_with_density(scene, vec3(1, 2, 3), vec3(0, 0, 1), 180.0); }
   SECTION("from inside") { compare_with_density(scene, vec3(1.4f, 1.3f, 3.9f), vec3(0, 0, 1), 180.0); }
-  SECTION("from inside, close to its surface") {
-    compare_with_density(scene, vec3(1, 0.52f, 3), vec3(0, 1, 0), 180.0);
-  }
+  SECTION("from inside, close to its surface") { compare_with_density(scene, vec3(1, 0.52f, 3), vec3(0, 1, 0), 180.0); }
 }
 
 TEST_CASE("a distant sphere light keeps its small cone of directions", "[unit][lights]") {
@@ -204,8 +200,7 @@ TEST_CASE("several lights together are chosen with the density they are met with
   add_sphere(scene, {3, 0.5f, 0}, 0.8f, light(grey(4.0f)));
   add_sphere(scene, {2, 0, 2}, 0.2f, light(grey(0.0f)));  // black: never chosen
   add_sphere(scene, {-1, -1, -1}, 0.4f, lambertian(grey(0.5f)));
-  add_triangle(scene, {vec3(-3, 0, 1), vec3(-3, 1, -1), vec3(-3, 2, 1)},
-               light(checker(0.5f, Rgb(5.0f), Rgb(1.0f))));
+  add_triangle(scene, {vec3(-3, 0, 1), vec3(-3, 1, -1), vec3(-3, 2, 1)}, light(checker(0.5f, Rgb(5.0f), Rgb(1.0f))));
   set_sky(scene, 8, 4, [](int x, int y) { return Rgb(x == 3 ? 2.0f : 0.1f, 0.2f, y == 0 ? 1.0f : 0.3f); });
   const Lights lights(scene, scene_needs(scene));
   CHECK(lights.count() == 2 + 1 + 1 + 1);
@@ -313,8 +308,7 @@ TEST_CASE("few lights are chosen as often as their densities say", "[unit][light
       for (int i = 0; i < table.count - 1; ++i) {
         const auto border = static_cast<std::uint32_t>(table.cdf[i] * 0x1p24f);
         for (const std::uint32_t number : {border - 1, border, border + 1}) {
-          const auto by_table =
-              std::upper_bound(table.cdf, table.cdf + table.count - 1, number * 0x1p-24f) - table.cdf;
+          const auto by_table = std::upper_bound(table.cdf, table.cdf + table.count - 1, number * 0x1p-24f) - table.cdf;
           different += chosen_triangle(lights, static_cast<std::uint64_t>(number) << 40) != by_table;
         }
       }

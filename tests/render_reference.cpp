@@ -50,7 +50,8 @@ SeenScene scene_with_everything() {
   add_quad(scene, {-0.9f, 0.2f, -0.5f}, {0, 0, 0.3f}, {0, 0.3f, 0},
            light(picture(scene, 2, 2, [](int x, int y) { return Rgb(1.0f + x, 2.0f, 1.0f + 3.0f * y); })));
   for (int i = 0; i < 20; ++i)
-    add_triangle(scene, {{-0.9f + 0.09f * i, 0.9f, 0.0f}, {-0.85f + 0.09f * i, 0.9f, 0.0f}, {-0.9f + 0.09f * i, 0.9f, 0.05f}},
+    add_triangle(scene,
+                 {{-0.9f + 0.09f * i, 0.9f, 0.0f}, {-0.85f + 0.09f * i, 0.9f, 0.0f}, {-0.9f + 0.09f * i, 0.9f, 0.05f}},
                  light(grey(0.5f + i)));
   set_sky(scene, 8, 4, [](int x, int y) { return Rgb(0.1f * x, 0.2f, 0.3f * y); });
   scene.camera.defocus_angle = 1.0f;

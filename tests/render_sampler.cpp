@@ -29,8 +29,7 @@ double unevenness(int count, const std::function<vec2(std::uint32_t)>& pair) {
 
 }  // namespace
 
-TEST_CASE("any aligned block of 2^k Sobol samples is a (0,k,2)-net in every pixel and dimension",
-          "[unit][sampler]") {
+TEST_CASE("any aligned block of 2^k Sobol samples is a (0,k,2)-net in every pixel and dimension", "[unit][sampler]") {
   int tried = 0, broken = 0;
   for (const std::uint32_t seed : {0u, 77u}) {
     for (const std::uint32_t pixel : {0u, 1u, 799u}) {
@@ -67,18 +66,14 @@ TEST_CASE("any aligned block of 2^k Sobol samples is a (0,k,2)-net in every pixe
 TEST_CASE("the numbers of two dimensions and of two pixels are unrelated", "[statistical][sampler]") {
   constexpr int kCount = 4096;
   for (const SamplerKind kind : {SamplerKind::independent, SamplerKind::sobol}) {
-    const auto sampler = [&](std::uint32_t x, std::uint32_t y, std::uint32_t i) {
-      return Sampler(kind, 4, x, y, i);
-    };
+    const auto sampler = [&](std::uint32_t x, std::uint32_t y, std::uint32_t i) { return Sampler(kind, 4, x, y, i); };
     double worst = 0.0;
     for (std::uint32_t d = 0; d < 12; ++d) {
       for (const std::uint32_t e : {d + 1, d + 5, d + 31}) {
         const double z[] = {
             unevenness(kCount, [&](auto i) { return vec2(sampler(3, 4, i).get1(d), sampler(3, 4, i).get1(e)); }),
-            unevenness(kCount,
-                       [&](auto i) { return vec2(sampler(3, 4, i).get2(d).x, sampler(3, 4, i).get2(e).x); }),
-            unevenness(kCount,
-                       [&](auto i) { return vec2(sampler(3, 4, i).get2(d).y, sampler(3, 4, i).get2(e).x); }),
+            unevenness(kCount, [&](auto i) { return vec2(sampler(3, 4, i).get2(d).x, sampler(3, 4, i).get2(e).x); }),
+            unevenness(kCount, [&](auto i) { return vec2(sampler(3, 4, i).get2(d).y, sampler(3, 4, i).get2(e).x); }),
             unevenness(kCount, [&](auto i) { return vec2(sampler(3, 4, i).get1(d), sampler(3, 4, i).get2(e).y); }),
         };
         for (const double value : z) worst = std::max(worst, value);
@@ -93,18 +88,15 @@ TEST_CASE("the numbers of two dimensions and of two pixels are unrelated", "[sta
     // The same sample of many pixels, at neighbouring places and in neighbouring dimensions.
     for (std::uint32_t d = 0; d < 12; ++d) {
       const double z[] = {
-          unevenness(kCount,
-                     [&](auto i) {
-                       return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64, i / 64, 0).get1(d + 1));
-                     }),
-          unevenness(kCount,
-                     [&](auto i) {
-                       return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64 + 1, i / 64, 0).get1(d));
-                     }),
-          unevenness(kCount,
-                     [&](auto i) {
-                       return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64, i / 64, 1).get1(d + 5));
-                     }),
+          unevenness(
+              kCount,
+              [&](auto i) { return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64, i / 64, 0).get1(d + 1)); }),
+          unevenness(
+              kCount,
+              [&](auto i) { return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64 + 1, i / 64, 0).get1(d)); }),
+          unevenness(
+              kCount,
+              [&](auto i) { return vec2(sampler(i % 64, i / 64, 0).get1(d), sampler(i % 64, i / 64, 1).get1(d + 5)); }),
       };
       worst = std::max({worst, z[0], z[1], z[2]});
     }
@@ -144,9 +136,8 @@ TEST_CASE("a number depends on seed, pixel, sample and dimension, on each of the
     CHECK(s.get2(7) == point);
     CHECK(Sampler(kind, 3, 10, 20, 5).get1(7) == number);
     CHECK(Sampler(kind, 3, 10, 20, 5).get2(7) == point);
-    for (const Sampler& other :
-         {Sampler(kind, 4, 10, 20, 5), Sampler(kind, 3, 11, 20, 5), Sampler(kind, 3, 10, 21, 5),
-          Sampler(kind, 3, 20, 10, 5), Sampler(kind, 3, 10, 20, 6)}) {
+    for (const Sampler& other : {Sampler(kind, 4, 10, 20, 5), Sampler(kind, 3, 11, 20, 5), Sampler(kind, 3, 10, 21, 5),
+                                 Sampler(kind, 3, 20, 10, 5), Sampler(kind, 3, 10, 20, 6)}) {
       CHECK(other.get1(7) != number);
       CHECK(other.get2(7) != point);
     }

@@ -330,8 +330,7 @@ TEST_CASE("options that make no picture are refused with what was found", "[unit
   refused(ErrorKind::usage, "render", {"at least 1"}, [](RenderOptions& o) { o.samples_per_pixel = 0; });
   refused(ErrorKind::usage, "render", {"at least 1"}, [](RenderOptions& o) { o.tile_size = 0; });
   refused(ErrorKind::usage, "render", {"at least 1"}, [](RenderOptions& o) { o.pass_samples = 0; });
-  refused(ErrorKind::usage, "--first-sample", {"4294967295"},
-          [](RenderOptions& o) { o.first_sample = 0xfffffff8u; });
+  refused(ErrorKind::usage, "--first-sample", {"4294967295"}, [](RenderOptions& o) { o.first_sample = 0xfffffff8u; });
   for (const PixelRect& crop : {PixelRect{0, 0, 20, 1}, PixelRect{-1, 0, 2, 2}, PixelRect{0, 12, 1, 2},
                                 PixelRect{3, 3, 0, 1}, PixelRect{2147483647, 0, 2147483647, 1}}) {
     refused(ErrorKind::usage, "--crop", {"19x13", "X,Y,WIDTH,HEIGHT"}, [&](RenderOptions& o) { o.crop = crop; });
@@ -356,8 +355,7 @@ TEST_CASE("the tiles cover each pixel of a region once, its middle first", "[uni
                         std::abs(t.y + 0.5 * size - region.y - 0.5 * region.height));
       };
       int backwards = 0;
-      for (std::size_t i = 1; i < tiles.size(); ++i)
-        backwards += distance(tiles[i]) < distance(tiles[i - 1]) - size;
+      for (std::size_t i = 1; i < tiles.size(); ++i) backwards += distance(tiles[i]) < distance(tiles[i - 1]) - size;
       CHECK(backwards == 0);
     }
   }

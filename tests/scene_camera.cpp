@@ -56,8 +56,7 @@ TEST_CASE("picture positions are pixels from the upper left, square, under the v
   const Camera camera(settings(), 640, 480);
   const double half = std::tan(20.0 * kPi / 180.0);
   const double pixel = 2.0 * half / 480.0;
-  for (const vec2& p :
-       {vec2(0, 0), vec2(640, 0), vec2(0, 480), vec2(640, 480), vec2(320, 240), vec2(17.25f, 400.5f)}) {
+  for (const vec2& p : {vec2(0, 0), vec2(640, 0), vec2(0, 480), vec2(640, 480), vec2(320, 240), vec2(17.25f, 400.5f)}) {
     const vec2 seen = projected(camera, p.x, p.y);
     CHECK(seen.x == Approx((p.x - 320.0) * pixel).margin(1e-6));
     CHECK(seen.y == Approx((240.0 - p.y) * pixel).margin(1e-6));
@@ -182,7 +181,6 @@ TEST_CASE("cameras far out, tiny and huge point their rays alike", "[unit][camer
     const Camera camera(s, 64, 48);
     const Camera reference(settings(), 64, 48);
     INFO(scale);
-    CHECK(degrees_between(camera.ray(5, 7, vec2(0.5f)).direction, reference.ray(5, 7, vec2(0.5f)).direction) <
-          1e-3);
+    CHECK(degrees_between(camera.ray(5, 7, vec2(0.5f)).direction, reference.ray(5, 7, vec2(0.5f)).direction) < 1e-3);
   }
 }

@@ -115,8 +115,7 @@ TEST_CASE("the mean luminance of a sky is its integral over the sphere", "[unit]
   }
 }
 
-TEST_CASE("the density of sky directions integrates to one and is that of the samples",
-          "[statistical][environment]") {
+TEST_CASE("the density of sky directions integrates to one and is that of the samples", "[statistical][environment]") {
   constexpr int kRows = 24, kColumns = 48, kFine = 12, kCount = 150000;
   for (const Sky& sky : skies()) {
     const EnvironmentSampler sampler(sky.environment);
@@ -150,8 +149,7 @@ TEST_CASE("the density of sky directions integrates to one and is that of the sa
   }
 }
 
-TEST_CASE("sampling a sky by its brightness gives its irradiance with little noise",
-          "[statistical][environment]") {
+TEST_CASE("sampling a sky by its brightness gives its irradiance with little noise", "[statistical][environment]") {
   for (const Sky& sky : skies()) {
     if (sky.environment.kind != Environment::Kind::image) continue;
     const EnvironmentSampler sampler(sky.environment);

@@ -15,9 +15,7 @@ Texture any_picture(Scene& scene) {
   return picture(scene, 4, 4, [](int x, int y) { return (x + y) % 2 == 0 ? Rgb(0.2f, 0.5f, 0.8f) : Rgb(0.7f); });
 }
 
-void add_floor(Scene& scene, const Material& material) {
-  add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, material);
-}
+void add_floor(Scene& scene, const Material& material) { add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, material); }
 
 /// One need, and the least scene that has it and no other.
 struct Case {

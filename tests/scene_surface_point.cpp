@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "glm_formulas.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"
-#include "glm_formulas.hpp"
 #include "raylab/scene/surface_point.hpp"
 #include "test_scenes.hpp"
 
@@ -19,9 +19,7 @@ namespace {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 1000003) {}
-  float unit() {
-    return bits_to_unit(static_cast<std::uint32_t>(mix_bits(++state_ * 0x9e3779b97f4a7c15ull) >> 32));
-  }
+  float unit() { return bits_to_unit(static_cast<std::uint32_t>(mix_bits(++state_ * 0x9e3779b97f4a7c15ull) >> 32)); }
   float sign() { return unit() < 0.5f ? -1.0f : 1.0f; }
   vec3 cube() {
     const float x = 2.0f * unit() - 1.0f;
@@ -110,8 +108,7 @@ struct Restarts {
   double largest_offset = 0.0;
 };
 
-Restarts restart(const Geometry& geometry, const Accelerator& accelerator, float scale, Start start,
-                 Random& random) {
+Restarts restart(const Geometry& geometry, const Accelerator& accelerator, float scale, Start start, Random& random) {
   Restarts result;
   const TriangleMesh& mesh = geometry.meshes[0];
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -152,16 +149,14 @@ const NamedShape kShapes[] = {
     {"triangles", [](Random& r, vec3&, int) { return any_triangle(r); }, 1e5f, 1e-3f},
     {"needles 1:1,000", [](Random& r, vec3&, int) { return needle(r, 1e-3f); }, 1e3f, 5e-3f},
     {"needles 1:100,000", [](Random& r, vec3&, int) { return needle(r, 1e-5f); }, 10.0f, 0.5f},
-    {"planes across an axis", [](Random& r, vec3& c, int i) { return across_axis(r, c, i % 3, false); }, 1e5f,
-     1e-3f},
+    {"planes across an axis", [](Random& r, vec3& c, int i) { return across_axis(r, c, i % 3, false); }, 1e5f, 1e-3f},
     {"planes across an axis at 0", [](Random& r, vec3& c, int i) { return across_axis(r, c, i % 3, true); }, 1e5f,
      1e-3f},
 };
 
 }  // namespace
 
-TEST_CASE("no ray returns to the triangle it starts on, whatever the scale, shape and place",
-          "[stability][offset]") {
+TEST_CASE("no ray returns to the triangle it starts on, whatever the scale, shape and place", "[stability][offset]") {
   const FlushDenormals flush;
   for (const Tested& tested : kTested) {
     for (const NamedShape& shape : kShapes) {
@@ -191,8 +186,8 @@ TEST_CASE("no ray returns to the triangle it starts on, whatever the scale, shap
           }
         }
       }
-      INFO(tested.label << ", " << shape.name << ": " << returned << " of " << started << " rays returned, "
-                        << broken << " unsound" << first);
+      INFO(tested.label << ", " << shape.name << ": " << returned << " of " << started << " rays returned, " << broken
+                        << " unsound" << first);
       CHECK(returned == 0);
       CHECK(broken == 0);
     }
@@ -217,8 +212,7 @@ TEST_CASE("without the offset, or with the book's, rays do return to where they 
   CHECK(returned(Start::book, 1e6f) > 0.05);
 }
 
-TEST_CASE("no ray that leaves a sphere hits it, and one that enters it meets the far side",
-          "[stability][offset]") {
+TEST_CASE("no ray that leaves a sphere hits it, and one that enters it meets the far side", "[stability][offset]") {
   const FlushDenormals flush;
   struct Case {
     float radius;
@@ -261,8 +255,7 @@ TEST_CASE("no ray that leaves a sphere hits it, and one that enters it meets the
         const double far_side = -b + std::sqrt(b * b + inside / glm::dot(dvec3(wi), dvec3(wi)));
         wrong_far_side += !again || std::abs(again->t - far_side) > 1e-5 * far_side;
       }
-      INFO(tested.label << ", radius " << c.radius << " at " << c.center.x << ' ' << c.center.y << ' '
-                        << c.center.z);
+      INFO(tested.label << ", radius " << c.radius << " at " << c.center.x << ' ' << c.center.y << ' ' << c.center.z);
       CHECK(started > 900);
       CHECK(returned == 0);
       CHECK(wrong_far_side == 0);
@@ -304,22 +297,20 @@ TEST_CASE("a surface point keeps the geometric normal beside the interpolated on
   Geometry geometry;
   TriangleMesh mesh;
   mesh.positions = {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 1, 0)};
-  mesh.normals = {glm::normalize(vec3(1, 0, 0.2f)), glm::normalize(vec3(0, 1, 0.2f)),
-                  glm::normalize(vec3(0, 0, 1))};
+  mesh.normals = {glm::normalize(vec3(1, 0, 0.2f)), glm::normalize(vec3(0, 1, 0.2f)), glm::normalize(vec3(0, 0, 1))};
   mesh.triangles = {uvec3(0, 1, 2)};
   mesh.texcoords = {vec2(0, 0), vec2(2, 0), vec2(0, 3)};
   mesh.pad_positions();
   geometry.meshes = {mesh};
   const auto at = [&](float u, float v, float from) {
     const vec3 p(u, v, 0.0f);
-    return surface_point(geometry, Ray{p + vec3(0, 0, from), vec3(0, 0, -from)},
-                                      Hit{1.0f, u, v, 0, 0});
+    return surface_point(geometry, Ray{p + vec3(0, 0, from), vec3(0, 0, -from)}, Hit{1.0f, u, v, 0, 0});
   };
   const SurfacePoint point = at(0.25f, 0.25f, 1.0f);
   CHECK(glm::length(point.position - vec3(0.25f, 0.25f, 0.0f)) < 1e-6f);
   CHECK(point.ng == vec3(0, 0, 1));
-  CHECK(glm::length(point.ns -
-                    glm::normalize(0.5f * mesh.normals[0] + 0.25f * (mesh.normals[1] + mesh.normals[2]))) < 1e-6f);
+  CHECK(glm::length(point.ns - glm::normalize(0.5f * mesh.normals[0] + 0.25f * (mesh.normals[1] + mesh.normals[2]))) <
+        1e-6f);
   CHECK(glm::length(point.uv - vec2(0.5f, 0.75f)) < 1e-6f);
 
   // The offset is along the geometric normal, to the side of the direction as that normal sees it.

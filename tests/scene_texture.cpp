@@ -65,8 +65,7 @@ TEST_CASE("any texture coordinates, even infinite ones, read some texel", "[unit
   for (const float x : {0.0f, -0.0f, 1e-30f, -1e-30f, 0.99999994f, 1.0f, -1.0f, 1e9f, -1e30f, 3e38f, kInfinity,
                         -kInfinity, std::nanf("")}) {
     for (const float y : {0.0f, -1e-30f, 0.5f, 1.0f, kInfinity, std::nanf("")}) {
-      for (const float sample : {value(image, x, y), value(image, y, x)})
-        CHECK((sample >= 1.0f && sample <= 4.0f));
+      for (const float sample : {value(image, x, y), value(image, y, x)}) CHECK((sample >= 1.0f && sample <= 4.0f));
       CHECK(value(one, x, y) == 7.0f);
     }
   }

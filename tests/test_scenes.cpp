@@ -235,9 +235,7 @@ Estimate mean_luminance(const Film& film) {
   return {sum / pixels, std::sqrt(variance) / pixels};
 }
 
-double difference_z(const Estimate& a, const Estimate& b) {
-  return (a.mean - b.mean) / std::hypot(a.error, b.error);
-}
+double difference_z(const Estimate& a, const Estimate& b) { return (a.mean - b.mean) / std::hypot(a.error, b.error); }
 
 int different_pixels(const Film& a, const Film& b) {
   int different = 0;
@@ -245,8 +243,7 @@ int different_pixels(const Film& a, const Film& b) {
     for (int x = 0; x < a.width(); ++x) {
       bool same = a.samples(x, y) == b.samples(x, y);
       for (int c = 0; c < 3; ++c) {
-        same =
-            same && std::bit_cast<std::uint32_t>(a.mean(x, y)[c]) == std::bit_cast<std::uint32_t>(b.mean(x, y)[c]);
+        same = same && std::bit_cast<std::uint32_t>(a.mean(x, y)[c]) == std::bit_cast<std::uint32_t>(b.mean(x, y)[c]);
         same = same && std::bit_cast<std::uint64_t>(a.variance_of_mean(x, y)[c]) ==
                            std::bit_cast<std::uint64_t>(b.variance_of_mean(x, y)[c]);
       }

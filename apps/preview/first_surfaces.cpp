@@ -6,8 +6,7 @@
 
 namespace raylab {
 
-std::vector<float> first_depths(const Accelerator& accelerator, const CameraSettings& settings, int width,
-                                int height) {
+std::vector<float> first_depths(const Accelerator& accelerator, const CameraSettings& settings, int width, int height) {
   CameraSettings pinhole = settings;
   pinhole.defocus_angle = 0.0f;
   const Camera camera(pinhole, width, height);

@@ -9,8 +9,7 @@ namespace raylab {
 
 /// How far along the view direction the first surface lies, seen from the middle of the lens through the middle of
 /// each pixel; infinity where there is only background. From the upper left.
-std::vector<float> first_depths(const Accelerator& accelerator, const CameraSettings& camera, int width,
-                                int height);
+std::vector<float> first_depths(const Accelerator& accelerator, const CameraSettings& camera, int width, int height);
 
 /// Finds the depths of a view on threads of its own: what the focus plane hides in the traced view. They are kept
 /// until the view changes, so that the plane can move through them.

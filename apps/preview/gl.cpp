@@ -27,8 +27,7 @@ GLuint compiled(const char* name, GLenum kind, const std::string& source) {
 
 GlProgram::GlProgram(const char* name, const std::string& vertex, const std::string& fragment)
     : id_(glCreateProgram()) {
-  for (const auto& [kind, source] :
-       {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
+  for (const auto& [kind, source] : {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
     const GLuint shader = compiled(name, kind, source);
     glAttachShader(id_, shader);
     glDeleteShader(shader);  // lives on in the program
@@ -63,8 +62,7 @@ Image read_framebuffer(int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
     // OpenGL counts rows from below.
-    const unsigned char* row =
-        &bytes[static_cast<std::size_t>(height - 1 - y) * static_cast<std::size_t>(width) * 3];
+    const unsigned char* row = &bytes[static_cast<std::size_t>(height - 1 - y) * static_cast<std::size_t>(width) * 3];
     for (int x = 0; x < width; ++x, row += 3) {
       image.at(x, y) = Rgb(srgb_byte_to_linear(row[0]), srgb_byte_to_linear(row[1]), srgb_byte_to_linear(row[2]));
     }

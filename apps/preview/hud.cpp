@@ -125,8 +125,7 @@ Hud::~Hud() {
   ImGui::DestroyContext();
 }
 
-void Hud::draw(const Scene& scene, const AcceleratorShelf& shelf, const Explorer& explorer,
-               const HudFigures& figures) {
+void Hud::draw(const Scene& scene, const AcceleratorShelf& shelf, const Explorer& explorer, const HudFigures& figures) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

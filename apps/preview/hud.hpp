@@ -31,8 +31,7 @@ class Hud {
   Hud& operator=(const Hud&) = delete;
 
   /// Draws over the framebuffer bound for drawing.
-  void draw(const Scene& scene, const AcceleratorShelf& shelf, const Explorer& explorer,
-            const HudFigures& figures);
+  void draw(const Scene& scene, const AcceleratorShelf& shelf, const Explorer& explorer, const HudFigures& figures);
 };
 
 }  // namespace raylab

@@ -9,9 +9,8 @@ namespace raylab {
 namespace {
 
 constexpr std::array<std::string_view, kKeyCount> kNames{
-    "w",       "a", "s",     "d",   "q",     "e",      "r",    "f",  "v",    "c", "b", "m",
-    "h",       "p", "space", "tab", "enter", "escape", "home", "up", "down", "[", "]", "shift",
-    "control", "1", "2",     "3",   "4",     "5",      "6",    "7",  "8",    "9"};
+    "w",      "a",    "s",  "d",    "q", "e", "r",     "f",       "v", "c", "b", "m", "h", "p", "space", "tab", "enter",
+    "escape", "home", "up", "down", "[", "]", "shift", "control", "1", "2", "3", "4", "5", "6", "7",     "8",   "9"};
 
 constexpr KeyHelp kHelp[]{
     {"W A S D", "forward, left, back, right"},

@@ -189,8 +189,7 @@ Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& a
   // Half a picture taken in twice the time is worth nothing, but its time is: the next one is coarser.
   const double per_pixel = seconds / (std::max(coarse.progress(), 1e-3) * options.width * options.height);
   const double pixels = static_cast<double>(request.options.width) * request.options.height;
-  coarseness_ =
-      std::clamp(static_cast<int>(std::ceil(std::sqrt(pixels * per_pixel / kCoarseSeconds))), 1, kCoarsest);
+  coarseness_ = std::clamp(static_cast<int>(std::ceil(std::sqrt(pixels * per_pixel / kCoarseSeconds))), 1, kCoarsest);
 
   TracedPicture picture;
   picture.request = number;

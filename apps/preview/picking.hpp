@@ -17,7 +17,7 @@ struct Picked {
 
 /// What the camera sees at (x, y), in pixels of a width x height picture from its upper left corner, from the
 /// middle of the lens; nothing where there is only background.
-std::optional<Picked> pick(const Scene& scene, const Accelerator& accelerator, const CameraSettings& camera,
-                           int width, int height, double x, double y);
+std::optional<Picked> pick(const Scene& scene, const Accelerator& accelerator, const CameraSettings& camera, int width,
+                           int height, double x, double y);
 
 }  // namespace raylab

@@ -12,12 +12,8 @@ class PictureView {
   PictureView();
 
   /// What is shown: on the left of the divider and on its right; three bytes a pixel, from the upper left.
-  void set_left(int width, int height, const std::vector<std::uint8_t>& srgb) {
-    upload(left_, width, height, srgb);
-  }
-  void set_right(int width, int height, const std::vector<std::uint8_t>& srgb) {
-    upload(right_, width, height, srgb);
-  }
+  void set_left(int width, int height, const std::vector<std::uint8_t>& srgb) { upload(left_, width, height, srgb); }
+  void set_right(int width, int height, const std::vector<std::uint8_t>& srgb) { upload(right_, width, height, srgb); }
 
   /// How far the first surface lies along the view direction, for the focus plane: a number a pixel, from the
   /// upper left.

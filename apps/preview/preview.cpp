@@ -37,8 +37,7 @@ bool same_view(const TraceRequest& a, const TraceRequest& b) {
   const auto view = [](const TraceRequest& r) {
     const CameraSettings& c = r.options.camera;
     return std::tuple(c.look_from.x, c.look_from.y, c.look_from.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
-                      c.up.y, c.up.z, c.vfov, c.defocus_angle, c.focus_distance, r.options.width,
-                      r.options.height);
+                      c.up.y, c.up.z, c.vfov, c.defocus_angle, c.focus_distance, r.options.width, r.options.height);
   };
   return view(a) == view(b) && a.accel == b.accel;
 }
@@ -106,8 +105,7 @@ bool Preview::is_still() const {
   if (!done(*live_, number_)) return false;
   if (has_plane_in_traced() && !first_surfaces_.known(explorer_.camera(), width_, height_)) return false;
   if (explorer_.compare() == Compare::off) return true;
-  const bool compared =
-      explorer_.compare() == Compare::split || (!comparing_.valid() && compared_ == comparing_what_);
+  const bool compared = explorer_.compare() == Compare::split || (!comparing_.valid() && compared_ == comparing_what_);
   return done(*other_, other_number_) && compared;
 }
 
@@ -190,11 +188,9 @@ void Preview::update_comparison() {
           compare_rays(*left, *right, request.options.camera, request.options.width, request.options.height);
       made.text = d.text();
       image = std::move(d.picture);
-    } else if (kind == Compare::difference && a->image.width == b->image.width &&
-               a->image.height == b->image.height) {
+    } else if (kind == Compare::difference && a->image.width == b->image.width && a->image.height == b->image.height) {
       const ImageError error = image_error(b->image, a->image);
-      made.text =
-          std::to_string(error.different_pixels) + " pixels differ, relMSE " + std::to_string(error.relmse);
+      made.text = std::to_string(error.different_pixels) + " pixels differ, relMSE " + std::to_string(error.relmse);
       image = error_picture(b->image, a->image);
     }
     made.width = image.width;

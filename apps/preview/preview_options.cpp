@@ -25,8 +25,7 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
   app.add_option("--view", command.view, "View to start with: raster or traced")
       ->check(CLI::IsMember({"raster", "traced"}))
       ->capture_default_str();
-  app.add_option("--script", command.script,
-                 "Do what this file says (keys, mouse, waits, screenshots), then leave");
+  app.add_option("--script", command.script, "Do what this file says (keys, mouse, waits, screenshots), then leave");
   app.add_option("--frames", command.frames, "Leave after so many frames")->check(CLI::Range(1, 1 << 30));
   app.add_option("--screenshot", command.screenshot,
                  "Write the window as a PNG at the end; alone, after the first frame or the still picture");

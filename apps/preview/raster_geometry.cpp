@@ -97,8 +97,7 @@ float cell_for(const std::vector<RasterVertex>& vertices, const ByMaterial& tria
   for (const auto& [material, list] : triangles) {
     for (const Corners& t : list) {
       const dvec3 p(vertices[t[0]].position);
-      area +=
-          0.5 * glm::length(glm::cross(dvec3(vertices[t[1]].position) - p, dvec3(vertices[t[2]].position) - p));
+      area += 0.5 * glm::length(glm::cross(dvec3(vertices[t[1]].position) - p, dvec3(vertices[t[2]].position) - p));
     }
   }
   return static_cast<float>(std::sqrt(2.0 * area / static_cast<double>(most)));

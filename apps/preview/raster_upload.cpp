@@ -58,8 +58,8 @@ void RasterView::upload_materials(const Scene& scene) {
   std::vector<Texels> rows;
   const auto white = static_cast<std::uint32_t>(scene.textures.size());
   for (const Material& m : scene.materials) {
-    rows.push_back({m.color.a, static_cast<float>(m.kind), m.color.b, static_cast<float>(m.color.kind), m.fuzz,
-                    m.index, m.color.size, 0.0f});
+    rows.push_back({m.color.a, static_cast<float>(m.kind), m.color.b, static_cast<float>(m.color.kind), m.fuzz, m.index,
+                    m.color.size, 0.0f});
     texture_of_.push_back(m.color.kind == Texture::Kind::image ? m.color.image : white);
     is_glass_.push_back(m.kind == Material::Kind::dielectric);
   }

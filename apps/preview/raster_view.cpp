@@ -59,8 +59,7 @@ RasterView::Eye RasterView::make_eye(const CameraSettings& settings, int width, 
   const vec3 y = eye.above / glm::dot(eye.above, eye.above);
   const vec3 z = eye.ahead * slope;
   const vec3 w = eye.ahead;
-  eye.clip_from_view =
-      glm::mat4(x.x, y.x, z.x, w.x, x.y, y.y, z.y, w.y, x.z, y.z, z.z, w.z, 0.0f, 0.0f, offset, 0.0f);
+  eye.clip_from_view = glm::mat4(x.x, y.x, z.x, w.x, x.y, y.y, z.y, w.y, x.z, y.z, z.z, w.z, 0.0f, 0.0f, offset, 0.0f);
   return eye;
 }
 

@@ -103,8 +103,7 @@ WindowSystem::WindowSystem() {
   // GLFW 3.4 tries Wayland first, whose library complains on the error stream where it finds no session.
   if (!wayland) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
-  if (glfwInit() != GLFW_TRUE)
-    throw Error(ErrorKind::failure, "", "there is no display (" + last_glfw_error() + ")");
+  if (glfwInit() != GLFW_TRUE) throw Error(ErrorKind::failure, "", "there is no display (" + last_glfw_error() + ")");
 }
 
 WindowSystem::~WindowSystem() { glfwTerminate(); }
@@ -122,13 +121,11 @@ Window::Window(const std::string& title, int width, int height, bool vsync, Expl
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);
-  glfwSetKeyCallback(window_,
-                     [](GLFWwindow* w, int key, int, int action, int) { window_of(w).on_key(key, action); });
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) { window_of(w).on_key(key, action); });
   glfwSetMouseButtonCallback(
       window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
-  glfwSetCursorEnterCallback(window_,
-                             [](GLFWwindow* w, int entered) { window_of(w).entered_ = entered == GLFW_TRUE; });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int entered) { window_of(w).entered_ = entered == GLFW_TRUE; });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
     if (!hud_has_mouse()) window_of(w).explorer_.scroll(y);
   });

@@ -25,7 +25,9 @@ void add_picture_options(CLI::App& app, PictureCommand& command) {
                  "default) or best (several times the time, for scenes of large or long triangles)");
   app.add_option("--bvh-quality", command.quality)->group("");  // the old name, not shown
   app.add_flag("--compact", command.compact, "A tree of Embree that takes less memory, and more time");
-  app.add_option("--integrator", command.integrator, "path, book, or reference: path ray by ray, for reading and checking")->capture_default_str();
+  app.add_option("--integrator", command.integrator,
+                 "path, book, or reference: path ray by ray, for reading and checking")
+      ->capture_default_str();
   app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
   app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
   app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio");
@@ -82,8 +84,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--progress", progress, "On standard error: auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}))
       ->capture_default_str();
-  app.add_flag("--check", command.check,
-               "Load the scene, say how it was understood and what it needs, render nothing");
+  app.add_flag("--check", command.check, "Load the scene, say how it was understood and what it needs, render nothing");
   app.add_flag("--list-accels", command.list_accels, "List the accelerators");
   app.add_flag("-q,--quiet", command.quiet, "Print nothing but errors");
 

@@ -16,9 +16,7 @@ double millions_per_second(std::uint64_t count, double seconds) {
   return seconds > 0.0 ? 1e-6 * static_cast<double>(count) / seconds : 0.0;
 }
 
-int threads_of(const RenderCommand& command) {
-  return command.threads > 0 ? command.threads : hardware_threads();
-}
+int threads_of(const RenderCommand& command) { return command.threads > 0 ? command.threads : hardware_threads(); }
 
 std::string scene_text(const LoadedScene& loaded, double load_seconds) {
   const Scene& scene = loaded.scene;
@@ -60,8 +58,7 @@ std::string report_text(const RenderReport& r) {
                  s.rays.camera, s.rays.scattered, s.rays.shadow, millions_per_second(s.rays.total(), s.seconds));
   text += format("render     %.3f s on %d threads, %.3f Mpaths/s\n", s.seconds, threads_of(r.command),
                  millions_per_second(s.rays.camera, s.seconds));
-  text += format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n",
-                 r.estimated_relmse);
+  text += format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n", r.estimated_relmse);
   if (s.dropped > 0) {
     text += format("dropped    %" PRIu64 " samples that were not finite; the first again: ", s.dropped) +
             replay_command(r) + "\n";

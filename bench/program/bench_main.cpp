@@ -15,8 +15,7 @@ namespace {
 using namespace bench;
 
 void add_common(CLI::App& command, CommonOptions& options) {
-  command
-      .add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
+  command.add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
       ->capture_default_str();
   command.add_option("--repeats", options.repeats, "Repeats of each measurement")
       ->check(CLI::Range(1, 1000))
@@ -89,8 +88,7 @@ void add_pictures(CLI::App& command, Options& options) {
   command.add_option("--reference-spp", options.reference_spp, "Samples per pixel of the reference")
       ->check(CLI::Range(2, 1 << 24))
       ->capture_default_str();
-  command.add_option("--cache", options.cache,
-                     "Folder of the references (default: references in that of the results)");
+  command.add_option("--cache", options.cache, "Folder of the references (default: references in that of the results)");
   command.add_option("--target-error", options.target_error, "relMSE aimed at")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -116,10 +114,8 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
   command->add_option("scene", options.scenes, "Scene files")->required();
   add_common(*command, options);
   add_choice(*command, options, "(default: those of the usual ways)");
-  command->add_option("--integrator", options.integrators, "Integrators, comma separated: path, book")
-      ->delimiter(',');
-  command->add_option("--sampler", options.samplers, "Samplers, comma separated: sobol, independent")
-      ->delimiter(',');
+  command->add_option("--integrator", options.integrators, "Integrators, comma separated: path, book")->delimiter(',');
+  command->add_option("--sampler", options.samplers, "Samplers, comma separated: sobol, independent")->delimiter(',');
   command->add_option("--spp", options.spp, "Samples per pixel, comma separated")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
@@ -179,21 +175,18 @@ CLI::App* add_threads(CLI::App& app, ProcessOptions& options) {
 }
 
 CLI::App* add_profile(CLI::App& app, ProfileOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("profile", "Share of a render's time spent in the accelerator, one thread");
+  CLI::App* command = app.add_subcommand("profile", "Share of a render's time spent in the accelerator, one thread");
   add_size(*command, options);
   return command;
 }
 
 CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
+  CLI::App* command = app.add_subcommand("scale", "Growth with triangles and threads, on geometry made by formula");
   add_common(*command, options);
   add_choice(*command, options,
              "(default: each accelerator as it is, but exact and what the largest size is too large for)");
   command
-      ->add_option("--family", options.families,
-                   "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")
+      ->add_option("--family", options.families, "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")
       ->delimiter(',');
   command->add_option("--largest", options.largest, "Most triangles; sizes are powers of ten from 1000 on")
       ->check(CLI::Range(1000, 100000000))
@@ -216,8 +209,7 @@ CLI::App* add_report(CLI::App& app, ReportOptions& options) {
 }
 
 CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("compare", "What changed between two folders of results, beyond their noise");
+  CLI::App* command = app.add_subcommand("compare", "What changed between two folders of results, beyond their noise");
   command->add_option("old", options.before, "Folder of the old results")->required();
   command->add_option("new", options.after, "Folder of the new results")->required();
   command->add_flag("--any-machine", options.any_machine, "Even if they are of two machines");
@@ -254,12 +246,11 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   if (!parse_or_tell(app, argc, argv, exit_code)) return exit_code;
   const std::string line = command_line("raylab-bench", argc, argv);
-  for (CommonOptions* o :
-       {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
-        static_cast<CommonOptions*>(&embree_options),
-        static_cast<CommonOptions*>(&render_options), static_cast<CommonOptions*>(&needs_options),
-        static_cast<CommonOptions*>(&scale_options), static_cast<CommonOptions*>(&process_options),
-        static_cast<CommonOptions*>(&threads_options), static_cast<CommonOptions*>(&profile_options)}) {
+  for (CommonOptions* o : {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
+                           static_cast<CommonOptions*>(&embree_options), static_cast<CommonOptions*>(&render_options),
+                           static_cast<CommonOptions*>(&needs_options), static_cast<CommonOptions*>(&scale_options),
+                           static_cast<CommonOptions*>(&process_options), static_cast<CommonOptions*>(&threads_options),
+                           static_cast<CommonOptions*>(&profile_options)}) {
     o->command_line = line;
   }
   if (*rays_command) return rays(rays_options);

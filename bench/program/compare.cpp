@@ -21,8 +21,7 @@ int compare(const CompareOptions& options) {
       compare_results(read_results(options.before), read_results(options.after), options.any_machine);
   const ChangedValue* last = nullptr;
   for (const ChangedValue& c : comparison.changes) {
-    if (last == nullptr || last->change != c.change)
-      std::printf("%s\n", std::string(change_name(c.change)).c_str());
+    if (last == nullptr || last->change != c.change) std::printf("%s\n", std::string(change_name(c.change)).c_str());
     std::printf("  %s: %s %.4g -> %.4g", c.key.c_str(), c.field.c_str(), c.before, c.after);
     if (c.before != 0.0) std::printf(" (%.3f times)", c.after / c.before);
     std::printf("\n");

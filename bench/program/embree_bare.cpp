@@ -101,7 +101,8 @@ std::vector<Way> packets(RTCScene scene, const Rays& set) {
   std::vector<Packet> all(set.rays.size() / n);
   std::vector<float> ends;
   for (std::size_t i = 0; i < set.rays.size(); ++i) {
-    write(set.rays[i], rays_in(all[i / n]), [&](auto& array) -> auto& { return array[i % n]; });
+    write(
+        set.rays[i], rays_in(all[i / n]), [&](auto& array) -> auto& { return array[i % n]; });
     ends.push_back(set.rays[i].t_max);
   }
   std::vector<Way> ways;
@@ -135,31 +136,39 @@ std::vector<Way> streams(RTCScene scene, const Rays& set) {
   std::vector<Stream> all((set.rays.size() + kMost - 1) / kMost);
   std::vector<float> ends;
   for (std::size_t i = 0; i < set.rays.size(); ++i) {
-    write(set.rays[i], all[i / kMost].ray, [&](auto& array) -> auto& { return array[i % kMost]; });
+    write(
+        set.rays[i], all[i / kMost].ray, [&](auto& array) -> auto& { return array[i % kMost]; });
     ends.push_back(set.rays[i].t_max);
   }
   std::vector<Way> ways;
   for (const bool coherent : {false, true}) {
     ways.push_back({coherent ? "Npc" : "Np", [scene, coherent, all, ends, query = set.query]() mutable {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-      for (std::size_t first = 0; first < ends.size(); first += kMost) {
-        Stream& s = all[first / kMost];
-        const std::size_t count = std::min(kMost, ends.size() - first);
-        std::memcpy(s.ray.tfar, ends.data() + first, count * sizeof(float));
-        RTCRayNp ray{s.ray.org_x, s.ray.org_y, s.ray.org_z, s.ray.tnear, s.ray.dir_x, s.ray.dir_y, s.ray.dir_z,
-                     s.ray.time, s.ray.tfar, s.ray.mask, s.ray.id, s.ray.flags};
-        if (query == Query::occluded) {
-          rtcOccludedNp(scene, &context, &ray, static_cast<unsigned>(count));
-        } else {
-          std::memset(s.hit.geomID, 0xff, count * sizeof(unsigned));
-          RTCRayHitNp both{ray, {s.hit.Ng_x, s.hit.Ng_y, s.hit.Ng_z, s.hit.u, s.hit.v, s.hit.primID, s.hit.geomID,
-                                 {s.hit.instID[0]}}};
-          rtcIntersectNp(scene, &context, &both, static_cast<unsigned>(count));
-        }
-      }
-    }});
+                      RTCIntersectContext context;
+                      rtcInitIntersectContext(&context);
+                      if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+                      for (std::size_t first = 0; first < ends.size(); first += kMost) {
+                        Stream& s = all[first / kMost];
+                        const std::size_t count = std::min(kMost, ends.size() - first);
+                        std::memcpy(s.ray.tfar, ends.data() + first, count * sizeof(float));
+                        RTCRayNp ray{s.ray.org_x, s.ray.org_y, s.ray.org_z, s.ray.tnear, s.ray.dir_x, s.ray.dir_y,
+                                     s.ray.dir_z, s.ray.time,  s.ray.tfar,  s.ray.mask,  s.ray.id,    s.ray.flags};
+                        if (query == Query::occluded) {
+                          rtcOccludedNp(scene, &context, &ray, static_cast<unsigned>(count));
+                        } else {
+                          std::memset(s.hit.geomID, 0xff, count * sizeof(unsigned));
+                          RTCRayHitNp both{ray,
+                                           {s.hit.Ng_x,
+                                            s.hit.Ng_y,
+                                            s.hit.Ng_z,
+                                            s.hit.u,
+                                            s.hit.v,
+                                            s.hit.primID,
+                                            s.hit.geomID,
+                                            {s.hit.instID[0]}}};
+                          rtcIntersectNp(scene, &context, &both, static_cast<unsigned>(count));
+                        }
+                      }
+                    }});
   }
   return ways;
 }
@@ -179,43 +188,42 @@ std::vector<Way> bare_ways(RTCScene scene, const Rays& set) {
 
 /// Our backend, ray by ray and in batches.
 std::vector<Way> own_ways(const Accelerator& accelerator, const Rays& set) {
-  return {{"single",
-           [&accelerator, &set] {
-             for (const Ray& ray : set.rays) {
-               if (set.query == Query::occluded) {
-                 (void)accelerator.occluded(ray);
-               } else {
-                 (void)accelerator.intersect(ray);
-               }
-             }
-           }},
-          {"batch", [&accelerator, query = set.query, batches = BatchedRays(set.rays),
-                     hits = HitArrays(BatchedRays::kMost),
-                     occluded = std::vector<std::uint8_t>(BatchedRays::kMost)]() mutable {
-             for (std::size_t b = 0; b < batches.batches(); ++b) {
-               if (query == Query::occluded) {
-                 accelerator.occluded_batch(batches.batch(b), occluded.data());
-               } else {
-                 accelerator.intersect_batch(batches.batch(b), hits.batch());
-               }
-             }
-           }}};
+  return {
+      {"single",
+       [&accelerator, &set] {
+         for (const Ray& ray : set.rays) {
+           if (set.query == Query::occluded) {
+             (void)accelerator.occluded(ray);
+           } else {
+             (void)accelerator.intersect(ray);
+           }
+         }
+       }},
+      {"batch", [&accelerator, query = set.query, batches = BatchedRays(set.rays), hits = HitArrays(BatchedRays::kMost),
+                 occluded = std::vector<std::uint8_t>(BatchedRays::kMost)]() mutable {
+         for (std::size_t b = 0; b < batches.batches(); ++b) {
+           if (query == Query::occluded) {
+             accelerator.occluded_batch(batches.batch(b), occluded.data());
+           } else {
+             accelerator.intersect_batch(batches.batch(b), hits.batch());
+           }
+         }
+       }}};
 }
 
 void measure(Suite& suite, const Scene& scene, const Built& built, const Rays& set, int repeats) {
   std::vector<Way> ways = own_ways(*built.accelerator, set);
   const std::size_t own = ways.size();
   for (Way& way : bare_ways(embree_scene(*built.accelerator), set)) ways.push_back(std::move(way));
-  const auto times = time_in_turns(
-      ways.size(), Turns{repeats}, [&](std::size_t i) { ways[i].pass(); },
+  const auto times = time_interleaved(
+      ways.size(), Repeats{repeats}, [&](std::size_t i) { ways[i].pass(); },
       [&] {
         suite.check();
         return false;
       });
   Row row{{"suite", "embree"}, {"scene", scene.name}, {"rays", set.kind}, {"threads", 1}};
   add_fields(row, built.variant, scene.geometry, built);
-  std::string line = format("%-12s %-8s %-14s", scene.name.c_str(), set.kind.c_str(),
-                            built.variant.accel.c_str());
+  std::string line = format("%-12s %-8s %-14s", scene.name.c_str(), set.kind.c_str(), built.variant.accel.c_str());
   double fastest = 0.0;
   double batch = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {

@@ -66,11 +66,10 @@ std::size_t count_wrong(const Geometry& geometry, const Accelerator& tested, con
 
 }  // namespace
 
-HitChecker::HitChecker(const Geometry& geometry)
-    : geometry_(geometry), exact_(make_accelerator("exact", geometry)) {}
+HitChecker::HitChecker(const Geometry& geometry) : geometry_(geometry), exact_(make_accelerator("exact", geometry)) {}
 
-std::vector<HitAccuracy> HitChecker::operator()(std::span<const Accelerator* const> accelerators,
-                                                const RaySet& set, std::size_t count, Suite& suite) const {
+std::vector<HitAccuracy> HitChecker::operator()(std::span<const Accelerator* const> accelerators, const RaySet& set,
+                                                std::size_t count, Suite& suite) const {
   const std::vector<Ray> rays = evenly_spaced(set.rays, count);
   const CachedHits exact(*exact_, rays);
   // A scene's surfaces may be open elsewhere, so a leak is judged by the surface right around the ray.
@@ -106,10 +105,9 @@ void add_fields(Row& row, const HitAccuracy& accuracy) {
 
 std::string accuracy_text(const Row& row) {
   const auto count = [&](const char* field) { return row[field].get<std::size_t>(); };
-  return format(
-      "of %zu: %zu leaks, %zu false misses, %zu false hits, %zu wrong primitives; t off by %.3g ulp at most",
-      count("rays_checked"), count("leaks"), count("false_misses"), count("false_hits"), count("wrong_primitives"),
-      row["t_error_ulp"]["max"].get<double>());
+  return format("of %zu: %zu leaks, %zu false misses, %zu false hits, %zu wrong primitives; t off by %.3g ulp at most",
+                count("rays_checked"), count("leaks"), count("false_misses"), count("false_hits"),
+                count("wrong_primitives"), row["t_error_ulp"]["max"].get<double>());
 }
 
 }  // namespace raylab::bench

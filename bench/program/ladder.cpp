@@ -34,9 +34,8 @@ Built build(const Step& step, const Geometry& geometry) {
                         options.quality};
   return build(
       variant,
-      step.make
-          ? step.make
-          : [&](const Geometry& g, const AcceleratorOptions& o) { return make_accelerator(step.accel, g, o); },
+      step.make ? step.make
+                : [&](const Geometry& g, const AcceleratorOptions& o) { return make_accelerator(step.accel, g, o); },
       geometry, options);
 }
 

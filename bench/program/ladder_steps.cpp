@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/primitive_test.hpp"
 #include "ladder_tree.hpp"
 #include "raylab/core/timing.hpp"
-#include "geometry/primitive_test.hpp"
 
 namespace raylab::bench {
 
@@ -39,8 +39,8 @@ struct Slabs {
 
 /// The nearest hit among some primitives, if there is one before t_max, which then becomes its t.
 using BookTest = PrimitiveTest<Intersector::book>;
-void hit_leaf(const Geometry& geometry, const PrimitiveId* ids, std::uint32_t count, const BookTest& test,
-              float& t_max, std::optional<Hit>& closest) {
+void hit_leaf(const Geometry& geometry, const PrimitiveId* ids, std::uint32_t count, const BookTest& test, float& t_max,
+              std::optional<Hit>& closest) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto hit = test(geometry, ids[i], test.ray().t_min, t_max);
     if (!hit) continue;
@@ -60,8 +60,7 @@ class Binary final : public Accelerator {
     const Stopwatch watch;
     tree_ = build_ladder_tree(geometry, split);
     report_.seconds = watch.seconds();
-    report_.bytes =
-        sizeof(*this) + tree_.ids.size() * sizeof(PrimitiveId) + tree_.nodes.size() * sizeof(LadderNode);
+    report_.bytes = sizeof(*this) + tree_.ids.size() * sizeof(PrimitiveId) + tree_.nodes.size() * sizeof(LadderNode);
     report_.primitives = tree_.ids.size();
     report_.invalid_primitives = geometry.primitive_count() - tree_.ids.size();
     report_.depth = tree_.depth;

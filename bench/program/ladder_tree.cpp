@@ -114,8 +114,6 @@ class Builder {
 
 }  // namespace
 
-LadderTree build_ladder_tree(const Geometry& geometry, LadderSplit split) {
-  return Builder(geometry, split).run();
-}
+LadderTree build_ladder_tree(const Geometry& geometry, LadderSplit split) { return Builder(geometry, split).run(); }
 
 }  // namespace raylab::bench

@@ -30,8 +30,8 @@ std::string why_no_mitsuba(const std::string& python) {
   return "";
 }
 
-PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene_file,
-                             const RenderOptions& options, int threads, int runs) {
+PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene_file, const RenderOptions& options,
+                             int threads, int runs) {
   const ScratchFolder scratch("raylab-bench");
   const auto picture = [&](int run) { return scratch / (std::to_string(options.seed + run) + ".exr"); };
   const fs::path json = scratch / "result.json";
@@ -66,8 +66,7 @@ PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene
   const auto row = nlohmann::json::parse(stream);
   PeerRuns result{"mitsuba " + row["version"].get<std::string>() + " " + kVariant, {}};
   for (int run = 0; run < runs; ++run) {
-    result.runs.push_back(
-        {read_exr(picture(run)), row["all_seconds"][static_cast<std::size_t>(run)].get<double>()});
+    result.runs.push_back({read_exr(picture(run)), row["all_seconds"][static_cast<std::size_t>(run)].get<double>()});
   }
   return result;
 }

@@ -24,7 +24,7 @@ struct PeerRuns {
 std::string why_no_mitsuba(const std::string& python);
 
 /// `runs` pictures with the settings given, seeds from options.seed on. Throws Error (failure) when it cannot.
-PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene_file,
-                             const RenderOptions& options, int threads, int runs);
+PeerRuns render_with_mitsuba(const std::string& python, const std::string& scene_file, const RenderOptions& options,
+                             int threads, int runs);
 
 }  // namespace raylab::bench

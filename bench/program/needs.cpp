@@ -168,8 +168,7 @@ int SceneMeasurement::choose_depth(const Configuration& configuration, const Acc
   return enough;
 }
 
-Configuration SceneMeasurement::choose_strategy(Configuration configuration,
-                                                const Accelerator& accelerator) const {
+Configuration SceneMeasurement::choose_strategy(Configuration configuration, const Accelerator& accelerator) const {
   Configuration best = configuration;
   double least = kInfinity;
   const bool sky = !scene_.environment.is_black();
@@ -188,10 +187,10 @@ Configuration SceneMeasurement::choose_strategy(Configuration configuration,
         // Samples halve the error in twice the time: their product is what a strategy costs.
         const double cost_product = cost.errors.relmse * cost.median();
         r["relmse_seconds"] = cost_product;
-        suite_.add({r}, {format("%-12s %s, %s%s: relMSE %.3g in %.3f s, product %.3g", scene_.name.c_str(),
-                                std::string(integrator_name(integrator)).c_str(),
-                                std::string(sampler_name(sampler)).c_str(), all_needs ? ", sky sampled" : "",
-                                cost.errors.relmse, cost.median(), cost_product)});
+        suite_.add({r},
+                   {format("%-12s %s, %s%s: relMSE %.3g in %.3f s, product %.3g", scene_.name.c_str(),
+                           std::string(integrator_name(integrator)).c_str(), std::string(sampler_name(sampler)).c_str(),
+                           all_needs ? ", sky sampled" : "", cost.errors.relmse, cost.median(), cost_product)});
         if (cost_product < least) {
           least = cost_product;
           best = configuration;

@@ -22,11 +22,11 @@ struct Configuration {
 
 std::string line_of(const Row& row) {
   const auto median = [&](const char* field) { return row[field]["median"].get<double>(); };
-  std::string line = format(
-      "%-12s %-18s needs %-5s process %7.3f s: load %.3f, build %.3f, render %.3f; estimated relMSE %.4f",
-      row["scene"].get<std::string>().c_str(), variant_name(row).c_str(), row.value("needs", "scene").c_str(),
-      median("process_seconds"), median("load_seconds"), row["build_seconds"].get<double>(),
-      row["seconds"].get<double>(), row.value("estimated_relmse", kInfinity));
+  std::string line =
+      format("%-12s %-18s needs %-5s process %7.3f s: load %.3f, build %.3f, render %.3f; estimated relMSE %.4f",
+             row["scene"].get<std::string>().c_str(), variant_name(row).c_str(), row.value("needs", "scene").c_str(),
+             median("process_seconds"), median("load_seconds"), row["build_seconds"].get<double>(),
+             row["seconds"].get<double>(), row.value("estimated_relmse", kInfinity));
   if (row.contains("seconds_ratio"))
     line += format("; %.3f times the seconds, %zu pixels differ", median("seconds_ratio"),
                    row["different_pixels"].get<std::size_t>());

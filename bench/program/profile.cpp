@@ -79,12 +79,11 @@ void measure(Suite& suite, const LoadedScene& loaded, const Variant& variant, co
   row["occluded_seconds"] = to_row(spread_of(occluded));
   row["accelerator_share"] = to_row(spread_of(shares));
   row["estimated_relmse"] = estimated_relmse;
-  suite.add({row},
-            {format("%-12s %-18s %.1f%% of %.3f s in the accelerator: closest hits %.3f s, shadow rays %.3f s; "
-                    "estimated relMSE %.4f",
-                    scene.name.c_str(), variant.name().c_str(), 100.0 * spread_of(shares).median,
-                    spread_of(seconds).median, spread_of(intersect).median, spread_of(occluded).median,
-                    estimated_relmse)});
+  suite.add({row}, {format("%-12s %-18s %.1f%% of %.3f s in the accelerator: closest hits %.3f s, shadow rays %.3f s; "
+                           "estimated relMSE %.4f",
+                           scene.name.c_str(), variant.name().c_str(), 100.0 * spread_of(shares).median,
+                           spread_of(seconds).median, spread_of(intersect).median, spread_of(occluded).median,
+                           estimated_relmse)});
 }
 
 }  // namespace

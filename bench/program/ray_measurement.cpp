@@ -19,8 +19,7 @@ std::vector<RaySet> scene_ray_sets(const LoadedScene& loaded, const RaysOptions&
   const auto accelerator = make_accelerator(kDefaultAccelerator, scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = scene.render.max_depth;
-  std::vector<RaySet> sets =
-      path_ray_sets(scene, loaded.camera, *accelerator, settings, options.rays, options.seed);
+  std::vector<RaySet> sets = path_ray_sets(scene, loaded.camera, *accelerator, settings, options.rays, options.seed);
   std::vector<Ray> origins = sets[0].rays;
   origins.insert(origins.end(), sets[1].rays.begin(), sets[1].rays.end());
   for (RaySet& set : outline_ray_sets(scene.geometry, *accelerator, origins, options.rays, options.seed)) {
@@ -30,8 +29,7 @@ std::vector<RaySet> scene_ray_sets(const LoadedScene& loaded, const RaysOptions&
 }
 
 std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const Scene& scene, const RaySet& set,
-                              std::span<const Built> built, const HitChecker& check_hits,
-                              const RaysOptions& options) {
+                              std::span<const Built> built, const HitChecker& check_hits, const RaysOptions& options) {
   std::vector<const Accelerator*> accelerators;
   for (const Built& b : built) accelerators.push_back(b.accelerator.get());
   const Query query = set.kind == RayKind::shadow ? Query::occluded : Query::intersect;

@@ -19,8 +19,8 @@ std::vector<Variant> fit_variants(const std::vector<Variant>& all, const Geometr
 }
 
 std::string line_of(const Row& row) {
-  return format("%-12s %-8s %-26s %s", row["scene"].get<std::string>().c_str(),
-                row["rays"].get<std::string>().c_str(), variant_name(row).c_str(), speed_text(row).c_str());
+  return format("%-12s %-8s %-26s %s", row["scene"].get<std::string>().c_str(), row["rays"].get<std::string>().c_str(),
+                variant_name(row).c_str(), speed_text(row).c_str());
 }
 
 }  // namespace

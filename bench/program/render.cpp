@@ -25,8 +25,8 @@ struct Configuration {
 /// differ from it in one thing.
 std::vector<Configuration> configurations_of(const RenderSuiteOptions& options) {
   std::vector<Configuration> configurations;
-  const bool nothing_named = options.accels.empty() && options.intersectors.empty() &&
-                             options.integrators.empty() && options.samplers.empty();
+  const bool nothing_named =
+      options.accels.empty() && options.intersectors.empty() && options.integrators.empty() && options.samplers.empty();
   if (nothing_named) {
     CommonOptions defaults = options;
     defaults.accels = {kDefaultAccelerator, "rtiow", "embree", "embree-robust"};
@@ -94,12 +94,10 @@ std::string line_of(const Row& row) {
 }
 
 /// Adds the row that says when the configuration of `row` reaches the target.
-void add_time_to_error(const SceneContext& context, Suite& suite, Row row,
-                       const std::vector<ErrorAtTime>& points) {
+void add_time_to_error(const SceneContext& context, Suite& suite, Row row, const std::vector<ErrorAtTime>& points) {
   const TimeToError time = time_to_error(points, context.options.target_error);
-  for (const char* field :
-       {"spp", "runs", "seconds_min", "seconds_max", "cpu_seconds", "mpaths_per_second", "mrays_per_second",
-        "relmse_error", "relmse_trimmed", "mean_ratio", "mean_ratio_error"}) {
+  for (const char* field : {"spp", "runs", "seconds_min", "seconds_max", "cpu_seconds", "mpaths_per_second",
+                            "mrays_per_second", "relmse_error", "relmse_trimmed", "mean_ratio", "mean_ratio_error"}) {
     row.erase(field);
   }
   row["question"] = "time to error";
@@ -107,9 +105,9 @@ void add_time_to_error(const SceneContext& context, Suite& suite, Row row,
   row["relmse"] = context.options.target_error;
   row["seconds"] = time.seconds;
   row["extrapolated"] = time.extrapolated;
-  suite.add({row}, {format("%-12s %-32s relMSE %g after %.3f s%s", context.loaded.scene.name.c_str(),
-                           name_of(row).c_str(), context.options.target_error, time.seconds,
-                           time.extrapolated ? " (extrapolated)" : "")});
+  suite.add({row},
+            {format("%-12s %-32s relMSE %g after %.3f s%s", context.loaded.scene.name.c_str(), name_of(row).c_str(),
+                    context.options.target_error, time.seconds, time.extrapolated ? " (extrapolated)" : "")});
 }
 
 /// Returns how often to render with so many samples per pixel: twice as often where a render takes so little time
@@ -120,8 +118,8 @@ int runs_of(const RenderSuiteOptions& options, int spp) {
 }
 
 /// Renders all configurations with one number of samples after the other, their runs interleaved.
-void measure_configurations(Suite& suite, const SceneContext& context,
-                            const std::vector<Configuration>& configurations, const std::vector<Built>& built) {
+void measure_configurations(Suite& suite, const SceneContext& context, const std::vector<Configuration>& configurations,
+                            const std::vector<Built>& built) {
   const Scene& scene = context.loaded.scene;
   std::vector<std::vector<ErrorAtTime>> points(configurations.size());
   std::vector<Row> last(configurations.size());
@@ -253,8 +251,7 @@ int render(const RenderSuiteOptions& given) {
     const RenderOptions o = options_of(scenes.back(), options.width);
     double samples = 2.0 * (options.reference_spp / 2);
     for (const int spp : options.spp) {
-      samples +=
-          static_cast<double>(configurations.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
+      samples += static_cast<double>(configurations.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
     }
     suite.expect(samples * o.width * o.height);
   }
@@ -266,8 +263,8 @@ int render(const RenderSuiteOptions& given) {
     const auto accelerator = make_accelerator(kDefaultAccelerator, loaded.scene.geometry);
     const Reference reference =
         reference_of(suite, loaded, *accelerator, options_of(loaded, options.width), options.reference_spp, cache);
-    suite.note(format("%s: the reference's own relMSE is %.2g, its mean is good to %.2g",
-                      loaded.scene.name.c_str(), reference.relmse, reference.mean_ratio_error));
+    suite.note(format("%s: the reference's own relMSE is %.2g, its mean is good to %.2g", loaded.scene.name.c_str(),
+                      reference.relmse, reference.mean_ratio_error));
     const SceneContext context{options.scenes[i], loaded, reference, options, threads};
     measure_configurations(suite, context, configurations, built);
     compare_pictures(suite, context, configurations, built);

@@ -13,9 +13,8 @@ namespace fs = std::filesystem;
 
 std::string find_render_program(const std::string& given) {
   std::error_code unknown;
-  const fs::path program = given.empty()
-                               ? fs::read_symlink("/proc/self/exe", unknown).parent_path() / "raylab-render"
-                               : fs::path(given);
+  const fs::path program =
+      given.empty() ? fs::read_symlink("/proc/self/exe", unknown).parent_path() / "raylab-render" : fs::path(given);
   if (!fs::exists(program, unknown))
     throw Error(ErrorKind::usage, "--render-program", "there is no " + program.string());
   return program.string();
@@ -75,8 +74,7 @@ Row render_process_row(const std::string& suite, const std::string& scene_file, 
   add_build_times(row, spread_of_field(runs, "build_seconds"));
   std::vector<double> seconds;
   for (const Row& run : runs) seconds.push_back(run["seconds"]);
-  add_times(row, seconds,
-            first["width"].get<double>() * first["height"].get<double>() * first["spp"].get<double>());
+  add_times(row, seconds, first["width"].get<double>() * first["height"].get<double>() * first["spp"].get<double>());
   return row;
 }
 
@@ -86,8 +84,7 @@ Spread spread_of_field(const std::vector<Row>& runs, const char* field) {
   return spread_of(values);
 }
 
-Spread spread_of_ratios(const std::vector<Row>& numerators, const std::vector<Row>& denominators,
-                        const char* field) {
+Spread spread_of_ratios(const std::vector<Row>& numerators, const std::vector<Row>& denominators, const char* field) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < numerators.size(); ++i)
     ratios.push_back(numerators[i][field].get<double>() / denominators[i][field].get<double>());

@@ -29,7 +29,6 @@ Row render_process_row(const std::string& suite, const std::string& scene_file, 
 
 /// Median and range of a field of such runs, and of the ratios of two fields of neighbouring runs.
 Spread spread_of_field(const std::vector<Row>& runs, const char* field);
-Spread spread_of_ratios(const std::vector<Row>& numerators, const std::vector<Row>& denominators,
-                        const char* field);
+Spread spread_of_ratios(const std::vector<Row>& numerators, const std::vector<Row>& denominators, const char* field);
 
 }  // namespace raylab::bench

@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint32_t kReferenceSeed = 4711;
 
 /// A picture from the cache, or made now.
-Image cached_picture(Suite& suite, const Scene& scene, const Accelerator& accelerator,
-                     const RenderOptions& options, const fs::path& file) {
+Image cached_picture(Suite& suite, const Scene& scene, const Accelerator& accelerator, const RenderOptions& options,
+                     const fs::path& file) {
   if (fs::exists(file)) {
     Image image = read_exr(file);
     if (image.width != options.width || image.height != options.height) {
@@ -56,8 +56,7 @@ double work_of(const RenderOptions& options) {
   return static_cast<double>(options.width) * options.height * options.samples_per_pixel;
 }
 
-Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accelerator,
-                     const RenderOptions& options) {
+Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accelerator, const RenderOptions& options) {
   RenderSession session(scene, accelerator, options);
   const CpuStopwatch cpu(CpuClock::process);
   session.start();
@@ -93,8 +92,8 @@ Reference reference_of(Suite& suite, const LoadedScene& loaded, const Accelerato
     const std::string name =
         format("%s-%016llx-%dx%d-%dsegments-%s-%s-%uspp-seed%u-%s-%016llx.exr", loaded.scene.name.c_str(),
                static_cast<unsigned long long>(loaded.hash), o.width, o.height, o.integrator.max_depth,
-               std::string(integrator_name(o.integrator.kind)).c_str(),
-               std::string(sampler_name(o.sampler)).c_str(), o.samples_per_pixel, o.seed, RAYLAB_VERSION,
+               std::string(integrator_name(o.integrator.kind)).c_str(), std::string(sampler_name(o.sampler)).c_str(),
+               o.samples_per_pixel, o.seed, RAYLAB_VERSION,
                static_cast<unsigned long long>(hash_of_start(loaded.scene, accelerator, o)));
     halves.push_back(cached_picture(suite, loaded.scene, accelerator, o, cache / name));
   }

@@ -20,8 +20,7 @@ struct Rendered {
 double work_of(const RenderOptions& options);
 
 /// Renders, showing progress and advancing the suite by work_of(options).
-Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accelerator,
-                     const RenderOptions& options);
+Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accelerator, const RenderOptions& options);
 
 /// The scene file's settings at a picture `width` wide, or as wide as the scene says if 0.
 RenderOptions options_of(const LoadedScene& loaded, int width);

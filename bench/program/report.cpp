@@ -14,8 +14,7 @@ namespace {
 /// A Python that has matplotlib: the one in PATH need not be the distribution's, for which it is packaged.
 std::string find_python() {
   for (const char* python : {"python3", "/usr/bin/python3"}) {
-    const std::string probe =
-        "import importlib.util, sys; sys.exit(importlib.util.find_spec('matplotlib') is None)";
+    const std::string probe = "import importlib.util, sys; sys.exit(importlib.util.find_spec('matplotlib') is None)";
     if (run_program({python, "-c", probe}, true) == 0) return python;
   }
   throw Error(ErrorKind::failure, "report",

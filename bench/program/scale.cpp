@@ -28,9 +28,8 @@ std::vector<Variant> scale_variants(const ScaleOptions& options) {
 }
 
 /// Sends all rays through each accelerator on several threads, interleaved. These have no time of one processor.
-std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> accelerators,
-                                        std::span<const Ray> rays, int threads, const Repeats& repeats,
-                                        const std::function<bool()>& stopped) {
+std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
+                                        int threads, const Repeats& repeats, const std::function<bool()>& stopped) {
   const ThreadLimit limit(threads);
   constexpr std::size_t kBlock = 1024;
   const std::size_t blocks = (rays.size() + kBlock - 1) / kBlock;
@@ -72,12 +71,11 @@ void add_row(Suite& suite, const FamilyContext& context, const Built& built, int
   if (batch_times != nullptr) row["mrays_per_second_batch"] = speeds_of(rays, batch_times->cpu);
   row["rays_timed"] = context.made.rays.size();
   add_fields(row, accuracy);
-  suite.add(
-      {row},
-      {format("%-8s %9zu triangles %d threads %-18s build %8.4f s %7.1f bytes/triangle %6.2f Mrays/s  %s",
-              context.name.c_str(), row["triangles"].get<std::size_t>(), threads, built.variant.name().c_str(),
-              built.build_seconds.median, row["bytes"].get<double>() / row["triangles"].get<double>(),
-              row["mrays_per_second"]["median"].get<double>(), accuracy_text(row).c_str())});
+  suite.add({row},
+            {format("%-8s %9zu triangles %d threads %-18s build %8.4f s %7.1f bytes/triangle %6.2f Mrays/s  %s",
+                    context.name.c_str(), row["triangles"].get<std::size_t>(), threads, built.variant.name().c_str(),
+                    built.build_seconds.median, row["bytes"].get<double>() / row["triangles"].get<double>(),
+                    row["mrays_per_second"]["median"].get<double>(), accuracy_text(row).c_str())});
 }
 
 }  // namespace
@@ -117,12 +115,10 @@ int scale(const ScaleOptions& options) {
                                         : time_on_threads(accelerators, made.rays, threads, repeats, stopped);
         std::vector<QueryTimes> batch_times;
         if (threads == 1)
-          batch_times =
-              time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, repeats, stopped);
+          batch_times = time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, repeats, stopped);
         const auto accuracies = check_hits(accelerators, set, options.checked, suite);
         for (std::size_t i = 0; i < built.size(); ++i) {
-          add_row(suite, context, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr,
-                  accuracies[i]);
+          add_row(suite, context, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr, accuracies[i]);
         }
       }
       suite.advance(static_cast<double>(size));

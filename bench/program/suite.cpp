@@ -71,8 +71,7 @@ std::vector<Variant> variants(const CommonOptions& options, bool all_intersector
   std::vector<std::string> tests = options.intersectors;
   for (const std::string& test : tests) (void)parse_intersector(test);
   if (tests.empty())
-    tests =
-        all_intersectors ? std::vector<std::string>{"book", "fast", "watertight"} : std::vector<std::string>{""};
+    tests = all_intersectors ? std::vector<std::string>{"book", "fast", "watertight"} : std::vector<std::string>{""};
   std::vector<std::optional<BuildQuality>> qualities;
   for (const std::string& quality : options.qualities) qualities.push_back(parse_quality(quality));
   if (qualities.empty()) qualities = {BuildQuality::balanced};
@@ -133,8 +132,7 @@ std::string variant_name(const Row& row) {
   const std::string usual(quality_name(BuildQuality::balanced));
   std::string name = row["accel"];
   if (row.contains("intersector")) name += " " + row["intersector"].get<std::string>();
-  if (const std::string quality = row.value("quality", usual); quality != usual)
-    name += " " + quality + " quality";
+  if (const std::string quality = row.value("quality", usual); quality != usual) name += " " + quality + " quality";
   return row.value("compact", false) ? name + " compact" : name;
 }
 

@@ -29,8 +29,8 @@ Row run_at_once(const std::string& program, const std::vector<std::string>& argu
   return runs[0];
 }
 
-void measure(Suite& suite, const std::string& program, const std::string& file, const Variant& variant,
-             int threads, const ProcessOptions& options) {
+void measure(Suite& suite, const std::string& program, const std::string& file, const Variant& variant, int threads,
+             const ProcessOptions& options) {
   const ScratchFolder scratch("raylab-bench");
   const auto arguments_on = [&](int count) {
     std::vector<std::string> arguments = render_arguments(file, variant, options);

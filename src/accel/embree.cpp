@@ -124,8 +124,8 @@ bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
   const Ray own{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}};
   const Sphere& sphere = static_cast<const Geometry*>(user)->spheres[primitive];
   // Embree's interval is closed, ours is open.
-  const auto hit = PrimitiveTest<Intersector::fast>(own).sphere(sphere, next_float_down(ray.tnear),
-                                                               next_float_up(ray.tfar));
+  const auto hit =
+      PrimitiveTest<Intersector::fast>(own).sphere(sphere, next_float_down(ray.tnear), next_float_up(ray.tfar));
   if (hit) t = *hit;
   return hit.has_value();
 }
@@ -222,8 +222,8 @@ class Embree final : public Accelerator {
     check_device();
     RTCBounds box;
     rtcGetSceneBounds(scene_.get(), &box);
-    coherent_reach_ = kCoherentReach * std::max({box.upper_x - box.lower_x, box.upper_y - box.lower_y,
-                                                 box.upper_z - box.lower_z});
+    coherent_reach_ =
+        kCoherentReach * std::max({box.upper_x - box.lower_x, box.upper_y - box.lower_y, box.upper_z - box.lower_z});
     coherent_spread_ =
         std::min(kCoherentSpread, kCoherentPrimitives / std::sqrt(static_cast<float>(report_.primitives)));
     closest_packet_size_ = report_.primitives < kLargeScene ? packet_size_ : std::min(packet_size_, 8);
@@ -243,8 +243,7 @@ class Embree final : public Accelerator {
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree_query(scene_.get(), query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return to_hit(query.ray.tfar, tnear, tfar, scale, query.hit.u, query.hit.v, query.hit.geomID,
-                  query.hit.primID);
+    return to_hit(query.ray.tfar, tnear, tfar, scale, query.hit.u, query.hit.v, query.hit.geomID, query.hit.primID);
   }
 
   bool occluded(const Ray& ray) const noexcept override {
@@ -456,15 +455,15 @@ class Embree final : public Accelerator {
     const EmbreeGeometry triangles(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     const std::size_t vertices = mesh.positions.size();
     if (mesh.positions.capacity() > vertices) {
-      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                 mesh.positions.data(), 0, sizeof(vec3), vertices);
+      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(),
+                                 0, sizeof(vec3), vertices);
     } else {  // not padded: Embree would read past the end
       void* copy = new_buffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(vec3), vertices);
       std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<vec3*>(copy));
     }
     if (valid.size() == count) {
-      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                 mesh.triangles.data(), 0, sizeof(uvec3), count);
+      rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                                 sizeof(uvec3), count);
     } else {
       auto* copy = static_cast<uvec3*>(
           new_buffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(uvec3), valid.size()));
@@ -488,8 +487,7 @@ class Embree final : public Accelerator {
     attach(spheres.get(), geometry.sphere_geometry());
   }
 
-  void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t stride,
-                   std::size_t count) {
+  void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t stride, std::size_t count) {
     void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
     if (!buffer) check_device();
     return buffer;

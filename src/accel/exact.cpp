@@ -1,5 +1,5 @@
-// `exact`: the judge. A plain tree that shares no code with `bvh`, traversed in double with room for every rounding, and
-// leaves decided without rounding (see ExactTest).
+// `exact`: the judge. A plain tree that shares no code with `bvh`, traversed in double with room for every rounding,
+// and leaves decided without rounding (see ExactTest).
 #include "raylab/geometry/exact.hpp"
 
 #include <algorithm>

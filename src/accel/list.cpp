@@ -1,8 +1,8 @@
 // `list`: every primitive is tested. Without a tree there is nothing but the intersector to be wrong, so it
 // judges the others.
 #include "backends.hpp"
-#include "raylab/core/timing.hpp"
 #include "geometry/primitive_test.hpp"
+#include "raylab/core/timing.hpp"
 
 namespace raylab {
 

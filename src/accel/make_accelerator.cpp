@@ -55,8 +55,7 @@ void check_names() {
   throw Error(ErrorKind::usage, std::exchange(name_clash(), {}), "the name is already taken");
 }
 
-[[noreturn]] void throw_unknown(const char* option, std::string_view found,
-                                const std::vector<std::string>& names) {
+[[noreturn]] void throw_unknown(const char* option, std::string_view found, const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   throw Error(ErrorKind::usage, option,

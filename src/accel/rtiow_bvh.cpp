@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "backends.hpp"
-#include "raylab/core/timing.hpp"
 #include "geometry/primitive_test.hpp"
+#include "raylab/core/timing.hpp"
 
 namespace raylab {
 

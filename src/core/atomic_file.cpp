@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& file, int error) {
-  const std::string reason =
-      error != 0 ? std::generic_category().message(error) : "writing failed; is the disk full?";
+  const std::string reason = error != 0 ? std::generic_category().message(error) : "writing failed; is the disk full?";
   throw Error(ErrorKind::output, file.string(), "cannot be written: " + reason);
 }
 
@@ -27,8 +26,7 @@ namespace {
 fs::path create_temporary(const fs::path& folder, const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   for (;;) {
-    fs::path name =
-        folder / (".raylab-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp");
+    fs::path name = folder / (".raylab-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp");
     const int descriptor = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
       close(descriptor);

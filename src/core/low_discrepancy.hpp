@@ -5,8 +5,8 @@
 namespace raylab {
 namespace {
 
-/// Bijective mixing of 32 bits (Wellons 2018, "Prospecting for Hash Functions", lowbias32). U is std::uint32_t or a vector of
-/// them, here and below.
+/// Bijective mixing of 32 bits (Wellons 2018, "Prospecting for Hash Functions", lowbias32). U is std::uint32_t or a
+/// vector of them, here and below.
 template <class U>
 U mix_bits_32(U x) {
   x ^= x >> 16;

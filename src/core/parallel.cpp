@@ -29,9 +29,7 @@ unsigned float_control() {
   asm volatile("mrs %0, fpcr" : "=r"(control));
   return static_cast<unsigned>(control);
 }
-void set_float_control(unsigned control) {
-  asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{control}) : "memory");
-}
+void set_float_control(unsigned control) { asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{control}) : "memory"); }
 #else
 constexpr unsigned kFlushDenormals = 1u << 15 | 1u << 6;  // FTZ and DAZ
 unsigned float_control() { return _mm_getcsr(); }
@@ -80,9 +78,8 @@ int hardware_threads() {
 }
 
 ThreadLimit::ThreadLimit(int threads)
-    : control_(new tbb::global_control(
-          tbb::global_control::max_allowed_parallelism,
-          static_cast<std::size_t>(threads > 0 ? threads : hardware_threads()))) {}
+    : control_(new tbb::global_control(tbb::global_control::max_allowed_parallelism,
+                                       static_cast<std::size_t>(threads > 0 ? threads : hardware_threads()))) {}
 
 ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
 

@@ -32,9 +32,7 @@ Progress::Progress(ProgressKind kind) {
 }
 
 void Progress::update(double fraction) {
-  const double interval = style_ == Style::bar     ? kBarSeconds
-                          : style_ == Style::lines ? kLineSeconds
-                                                   : kJsonSeconds;
+  const double interval = style_ == Style::bar ? kBarSeconds : style_ == Style::lines ? kLineSeconds : kJsonSeconds;
   if (style_ == Style::none || watch_.seconds() - last_ < interval) return;
   last_ = watch_.seconds();
   print(fraction);
@@ -51,11 +49,9 @@ void Progress::print(double fraction) {
   if (style_ == Style::bar) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
-    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed,
-                 left);
+    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed, left);
   } else if (style_ == Style::json) {
-    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed,
-                 left);
+    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed, left);
   } else {
     std::fprintf(stderr, "%5.1f%% after %.0f s, about %.0f s left\n", 100.0 * fraction, elapsed, left);
   }

@@ -41,9 +41,8 @@ F arc_tangent(const F& y, const F& x) {
   const auto far = least > F(0.41421356f) * most;  // tan(pi/8): from there on by the angle to the diagonal
   const F t = select(most > F(0.0f), select(far, least - most, least) / select(far, least + most, most), F(0.0f));
   const F z = t * t;
-  const F small =
-      t + t * (z * (F(-3.33329491539e-1f) +
-                    z * (F(1.99777106478e-1f) + z * (F(-1.38776856032e-1f) + z * F(8.05374449538e-2f)))));
+  const F small = t + t * (z * (F(-3.33329491539e-1f) +
+                                z * (F(1.99777106478e-1f) + z * (F(-1.38776856032e-1f) + z * F(8.05374449538e-2f)))));
   // What the floats of pi/4, pi/2 and pi lack is a third of a unit in the last place.
   constexpr float kPiRest = -8.74227766e-8f;
   F angle = select(far, F(0.25f * kPi) + (small + F(0.25f * kPiRest)), small);

@@ -7,8 +7,8 @@ namespace {
 
 inline std::optional<TriangleHit> moeller_trumbore(Intersector kind, const Ray& ray, const Triangle& tri, float t_min,
                                                    float t_max) {
-  const MoellerTrumboreHit<float> hit = moeller_trumbore<float>(ray.origin, ray.direction, tri.p0, tri.p1, tri.p2,
-                                                                smallest_determinant(kind));
+  const MoellerTrumboreHit<float> hit =
+      moeller_trumbore<float>(ray.origin, ray.direction, tri.p0, tri.p1, tri.p2, smallest_determinant(kind));
   if (!(hit.inside && hit.t > t_min && hit.t < t_max)) return std::nullopt;
   return TriangleHit{hit.t, hit.u, hit.v};
 }

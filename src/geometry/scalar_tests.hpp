@@ -59,8 +59,8 @@ inline std::optional<TriangleHit> watertight(const PreparedRay& ray, const Vec3<
   return TriangleHit{hit.t, hit.u, hit.v};
 }
 
-/// The nearer and the farther distance at which the line of a ray meets a sphere, in units of its direction; false where
-/// it passes by. Where they are equal but for rounding either may be the smaller.
+/// The nearer and the farther distance at which the line of a ray meets a sphere, in units of its direction; false
+/// where it passes by. Where they are equal but for rounding either may be the smaller.
 inline bool sphere_distances(const Vec3<float>& origin, const Vec3<float>& direction, const Vec3<float>& center,
                              float radius, float& nearer, float& farther) {
   const SphereQuadratic<double> s(Vec3<double>(origin) - Vec3<double>(center), Vec3<double>(direction), radius);

@@ -35,7 +35,8 @@ struct SlabInterval {
 
 /// The part of the interval [t_min, limit] of a ray inside a box.
 template <class F>
-[[gnu::always_inline]] inline SlabInterval<F> slab_interval(const SlabRay<F>& ray, const SlabPlanes<F>& planes, const F& t_min, const F& limit) {
+[[gnu::always_inline]] inline SlabInterval<F> slab_interval(const SlabRay<F>& ray, const SlabPlanes<F>& planes,
+                                                            const F& t_min, const F& limit) {
   const Vec3<F> near = (planes.near - ray.origin) * ray.to_near;
   const Vec3<F> far = (planes.far - ray.origin) * ray.to_far;
   return {max(max(near.x, near.y), max(near.z, t_min)), min(min(far.x, far.y), min(far.z, limit))};

@@ -7,7 +7,8 @@
 namespace raylab {
 namespace {
 
-// --- Möller and Trumbore 1997 (JGT 2:1) -------------------------------------------------------------------------------
+// --- Möller and Trumbore 1997 (JGT 2:1)
+// -------------------------------------------------------------------------------
 
 template <class F>
 struct MoellerTrumboreHit {
@@ -39,7 +40,8 @@ MoellerTrumboreHit<F> moeller_trumbore(const Vec3<F>& origin, const Vec3<F>& dir
   return hit;
 }
 
-// --- Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection" (JCGT 2:1) --------------------------------------
+// --- Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection" (JCGT 2:1)
+// --------------------------------------
 //
 // The sheared vertices depend on the ray and the vertex alone, so two triangles evaluate a shared edge on the same
 // numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals never turn a sign around,
@@ -117,7 +119,8 @@ struct EdgeFunctions {
   F u, v, w;
 };
 template <class F>
-[[gnu::always_inline]] inline EdgeFunctions<F> edge_functions(const F& ax, const F& ay, const F& bx, const F& by, const F& cx, const F& cy) {
+[[gnu::always_inline]] inline EdgeFunctions<F> edge_functions(const F& ax, const F& ay, const F& bx, const F& by,
+                                                              const F& cx, const F& cy) {
   return {cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax};
 }
 /// Whether two of them differ in sign: then the ray passes the triangle by.
@@ -136,9 +139,9 @@ template <class F>
 /// double for it.
 constexpr float kTrustedSlope = 3.0f;
 constexpr float kTrustedSignSlope = 0x1p19f;
-/// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory. Where that
-/// decides on which side of the limit it is, t need not be computed again. Below kSmallestError the slope's own rounding
-/// would count.
+/// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory. Where
+/// that decides on which side of the limit it is, t need not be computed again. Below kSmallestError the slope's own
+/// rounding would count.
 constexpr float kRoughError = 0x1p-18f;
 constexpr float kSmallestError = 0x1p-100f;
 
@@ -154,8 +157,8 @@ struct WatertightHit {
 /// From the edge functions, the vertices' z, and the largest |x| and |y| of all three. Interpolates from a: the error
 /// of z is then small where the triangle is.
 template <class F>
-[[gnu::always_inline]] inline WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F& bz, const F& cz, const F& xy_size,
-                                const F& direction_z) {
+[[gnu::always_inline]] inline WatertightHit<F> watertight_hit(const EdgeFunctions<F>& e, const F& az, const F& bz,
+                                                              const F& cz, const F& xy_size, const F& direction_z) {
   WatertightHit<F> hit;
   const F det = e.u + e.v + e.w;
   const F inv_det = F(1.0f) / det;
@@ -170,8 +173,8 @@ template <class F>
   hit.depth = abs(z) * size;
   // Outside these bounds (NaN included) the flushed parts of the products, or 1 / det, would count.
   hit.sure = (F(0x1p-100f) < size) & (size < F(0x1p120f)) & (e.u != F(0.0f)) & (e.v != F(0.0f)) & (e.w != F(0.0f));
-  hit.precise = (hit.error < F(kTrustedSlope) * hit.depth) |
-                ((hit.t < F(0.0f)) & (hit.error < F(kTrustedSignSlope) * hit.depth));
+  hit.precise =
+      (hit.error < F(kTrustedSlope) * hit.depth) | ((hit.t < F(0.0f)) & (hit.error < F(kTrustedSignSlope) * hit.depth));
   return hit;
 }
 

@@ -102,8 +102,8 @@ Image read_pixels(Imf::InputFile& input, const fs::path& file) {
   Imf::FrameBuffer buffer;
   const std::array<const char*, 3> names{"R", "G", "B"};
   for (std::size_t c = 0; c < names.size(); ++c) {
-    buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &data.pixels[0][static_cast<int>(c)], data_window,
-                                             sizeof(Rgb), sizeof(Rgb) * static_cast<std::size_t>(size.width)));
+    buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &data.pixels[0][static_cast<int>(c)], data_window, sizeof(Rgb),
+                                             sizeof(Rgb) * static_cast<std::size_t>(size.width)));
   }
   input.setFrameBuffer(buffer);
   input.readPixels(data_window.min.y, data_window.max.y);

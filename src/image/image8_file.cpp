@@ -44,8 +44,8 @@ void write_png(const fs::path& file, const Image& image) {
     for (int c = 0; c < 3; ++c) encoded.push_back(linear_to_srgb_byte(pixel[c]));
   }
   AtomicFile output(file);
-  if (stbi_write_png_to_func(append, &output.stream(), image.width, image.height, 3, encoded.data(),
-                             3 * image.width) == 0) {
+  if (stbi_write_png_to_func(append, &output.stream(), image.width, image.height, 3, encoded.data(), 3 * image.width) ==
+      0) {
     throw Error(ErrorKind::output, file.string(), "cannot be written: too large for a PNG");
   }
   output.commit();

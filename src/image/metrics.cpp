@@ -18,8 +18,7 @@ constexpr double kInfiniteError = std::numeric_limits<double>::infinity();
 void check_comparable(const Image& image, const Image& reference) {
   const auto size = [](const Image& i) { return std::to_string(i.width) + " x " + std::to_string(i.height); };
   if (image.width != reference.width || image.height != reference.height) {
-    throw Error(ErrorKind::usage, "",
-                "the picture has " + size(image) + " pixels, the reference " + size(reference));
+    throw Error(ErrorKind::usage, "", "the picture has " + size(image) + " pixels, the reference " + size(reference));
   }
   if (image.pixels.empty()) throw Error(ErrorKind::input, "", "pictures without pixels cannot be compared");
 }

@@ -37,8 +37,7 @@ bool MaterialLibrary::open_mtl(const std::filesystem::path& file) {
   return true;
 }
 
-std::optional<std::uint32_t> MaterialLibrary::find(const std::filesystem::path& mtl_file,
-                                                   const std::string& name) {
+std::optional<std::uint32_t> MaterialLibrary::find(const std::filesystem::path& mtl_file, const std::string& name) {
   const auto mtl = mtl_files_.find(std::filesystem::weakly_canonical(mtl_file));
   if (mtl == mtl_files_.end()) return std::nullopt;
   auto& entries = mtl->second.entries;

@@ -176,8 +176,7 @@ class MtlReader {
         if (last == words.size() || last + 1 == i) last = i;
         continue;
       }
-      warn_once(keyword + std::string(words[i]),
-                "option " + in_quotes(words[i]) + " of " + keyword + " is left out");
+      warn_once(keyword + std::string(words[i]), "option " + in_quotes(words[i]) + " of " + keyword + " is left out");
       const bool numbers_only = values == 3;  // -o, -s and -t end at the first word that is no number
       while (values-- > 0 && i + 1 < words.size() && !(numbers_only && !number_in(words[i + 1]))) ++i;
     }

@@ -9,8 +9,7 @@
 namespace raylab {
 
 /// Albedos beyond 1 would make light out of nothing, but exporters write them: they are clamped.
-Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optional<Rgb>& color,
-                                   const Rgb& otherwise) {
+Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise) {
   const Rgb given = color.value_or(otherwise);
   const Rgb albedo = glm::min(given, Rgb(1.0f));
   if (albedo != given) {

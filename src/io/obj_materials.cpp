@@ -18,8 +18,7 @@ std::vector<std::string> library_names(std::string_view rest) {
     std::size_t end = rest.size();
     for (std::size_t at = rest.find_first_of(" \t"); at < rest.size(); at = rest.find_first_of(" \t", at + 1)) {
       std::string ending(rest.substr(at < 4 ? 0 : at - 4, std::min<std::size_t>(at, 4)));
-      std::transform(ending.begin(), ending.end(), ending.begin(),
-                     [](unsigned char c) { return std::tolower(c); });
+      std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
       if (ending == ".mtl") {
         end = at;
         break;

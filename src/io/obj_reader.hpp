@@ -14,7 +14,6 @@ struct MeshWithMaterials {
 };
 
 /// read_obj into a library that other meshes of the scene share.
-MeshWithMaterials read_obj_into(MaterialLibrary& library, const std::filesystem::path& file,
-                                const ObjOptions& options);
+MeshWithMaterials read_obj_into(MaterialLibrary& library, const std::filesystem::path& file, const ObjOptions& options);
 
 }  // namespace raylab

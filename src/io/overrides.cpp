@@ -45,8 +45,7 @@ TomlValue value_of(const std::string& text, const std::string& location) {
   return bare_word;
 }
 
-TomlValue& array_item(TomlValue& array, const std::string& part, const std::string& path,
-                      const std::string& location) {
+TomlValue& array_item(TomlValue& array, const std::string& part, const std::string& path, const std::string& location) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
   if (error != std::errc() || end != part.data() + part.size() || index >= array.items.size()) {

@@ -12,8 +12,7 @@ namespace {
 /// Reads a colour key: three numbers, { image = "..." } or { checker = SIZE, even = [..], odd = [..] }.
 class ColorReader {
  public:
-  ColorReader(const std::filesystem::path& folder, TextureFiles& textures)
-      : folder_(folder), textures_(textures) {}
+  ColorReader(const std::filesystem::path& folder, TextureFiles& textures) : folder_(folder), textures_(textures) {}
 
   Texture read(const TomlValue& value, const std::string& path, const Numbers& range) const {
     if (value.is_array()) return Texture::solid_color(vec3_of(value, path, range));
@@ -126,8 +125,7 @@ std::string describe(const Material& material, const std::vector<TextureImage>& 
   return name + "diffuse_light, radiance " + color;
 }
 
-SceneMaterials::SceneMaterials(const TomlValue* table, const std::filesystem::path& folder,
-                               MaterialLibrary& library) {
+SceneMaterials::SceneMaterials(const TomlValue* table, const std::filesystem::path& folder, MaterialLibrary& library) {
   if (table == nullptr) return;
   if (!table->is_table()) table->fail("material", "tables, written [material.NAME]");
   const ColorReader colors(folder, library.textures);

@@ -87,8 +87,7 @@ std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMater
   return entries;
 }
 
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library,
-               Scene& scene) {
+void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene) {
   const std::filesystem::path file = folder / entry.name;
   if (!is_file(file)) {
     entry.table->find("obj")->fail("mesh.obj", "an existing file");

@@ -60,7 +60,6 @@ struct MeshEntry {
 std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMaterials& materials);
 
 /// Reads the OBJ file of an entry, moves it into place and appends it to the scene.
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library,
-               Scene& scene);
+void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene);
 
 }  // namespace raylab

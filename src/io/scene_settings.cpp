@@ -11,14 +11,11 @@
 namespace raylab {
 namespace {
 
-constexpr Numbers kFieldOfView = {"a number of degrees in (0, 180)",
-                                  [](float x) { return x > 0.0f && x < 180.0f; }};
-constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)",
-                                [](float x) { return x >= 0.0f && x < 180.0f; }};
+constexpr Numbers kFieldOfView = {"a number of degrees in (0, 180)", [](float x) { return x > 0.0f && x < 180.0f; }};
+constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)", [](float x) { return x >= 0.0f && x < 180.0f; }};
 
 /// Throws at the first of the keys that the table has, or at the table.
-[[noreturn]] void fail_at(const TomlValue& table, std::initializer_list<const char*> keys,
-                          const std::string& message) {
+[[noreturn]] void fail_at(const TomlValue& table, std::initializer_list<const char*> keys, const std::string& message) {
   for (const char* key : keys) {
     if (const TomlValue* value = table.find(key)) value->fail_here(message);
   }

@@ -17,8 +17,8 @@ void check_texels(const TextureImage& image, const std::filesystem::path& file) 
     if (is_finite(c) && c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f) continue;
     const std::size_t width = static_cast<std::size_t>(image.width);
     throw Error(ErrorKind::input, file.string(),
-                "pixel (" + std::to_string(i % width) + ", " + std::to_string(i / width) + "): found " +
-                    color_text(c) + ", expected finite values, at least 0");
+                "pixel (" + std::to_string(i % width) + ", " + std::to_string(i / width) + "): found " + color_text(c) +
+                    ", expected finite values, at least 0");
   }
 }
 
@@ -41,9 +41,9 @@ TextureImage read_texture(const std::filesystem::path& file, const std::string& 
 void check_albedo(const TextureImage& image, const std::string& location) {
   for (const Rgb& texel : image.texels) {
     if (max_component(texel) <= 1.0f) continue;
-    throw Error(ErrorKind::input, location,
-                "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) +
-                    ", expected values in [0, 1]");
+    throw Error(
+        ErrorKind::input, location,
+        "albedo picture " + in_quotes(image.name) + ": found " + color_text(texel) + ", expected values in [0, 1]");
   }
 }
 

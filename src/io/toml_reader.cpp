@@ -14,8 +14,7 @@ using Kind = TomlValue::Kind;
 
 float number_of(const TomlValue& value, const std::string& path, const Numbers& numbers) {
   if (value.kind != Kind::integer && value.kind != Kind::real) value.fail(path, numbers.expected);
-  const float number =
-      value.kind == Kind::integer ? static_cast<float>(value.integer) : static_cast<float>(value.real);
+  const float number = value.kind == Kind::integer ? static_cast<float>(value.integer) : static_cast<float>(value.real);
   if (!std::isfinite(number) || !numbers.accepts(number)) value.fail(path, numbers.expected);
   return number;
 }

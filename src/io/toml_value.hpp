@@ -22,7 +22,7 @@ struct TomlValue {
   double real = 0.0;
   std::string text;              ///< of a string; of a date as written
   std::vector<TomlValue> items;  ///< of an array; of a table in the order of the file
-  std::string location;             ///< file:line:column, or the option that gave it
+  std::string location;          ///< file:line:column, or the option that gave it
   std::string key;               ///< in its table
   std::string key_location;
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/primitive_test.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/geometry/exact.hpp"
-#include "geometry/primitive_test.hpp"
 
 namespace raylab {
 
@@ -120,9 +120,7 @@ void compare(const Accelerator& tested, const Accelerator& judge, const Geometry
     if (same || near) partial.t_errors.push_back(error / ulp(d.judged->t));
     if (near) return;
   }
-  const Hit& nearer = both       ? (d.tested->t < d.judged->t ? *d.tested : *d.judged)
-                      : d.tested ? *d.tested
-                                 : *d.judged;
+  const Hit& nearer = both ? (d.tested->t < d.judged->t ? *d.tested : *d.judged) : d.tested ? *d.tested : *d.judged;
   if (is_doubtful(ray, geometry, nearer)) {
     report.undecided += 1;
   } else {

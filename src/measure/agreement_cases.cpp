@@ -71,8 +71,7 @@ std::vector<AgreementCase> agreement_cases(std::uint64_t seed) {
   spheres[3].center.y = std::nanf("");
   spheres[4].radius = kInfinity;
   add("with invalid and degenerate primitives", {{soup, spoilt(soup)}, spheres});
-  add("invalid primitives alone",
-      {{TriangleMesh{{{0, 0, 0}}, {{0, 1, 2}}, {}, {}, {}, {}}}, {{vec3(0.0f), -1.0f}}});
+  add("invalid primitives alone", {{TriangleMesh{{{0, 0, 0}}, {{0, 1, 2}}, {}, {}, {}, {}}}, {{vec3(0.0f), -1.0f}}});
   return cases;
 }
 

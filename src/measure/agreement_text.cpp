@@ -8,8 +8,8 @@ namespace {
 
 std::string to_string(const std::optional<Hit>& hit) {
   if (!hit) return "nothing";
-  return format("t = %a (%.9g) on geometry %u, primitive %u", static_cast<double>(hit->t),
-                static_cast<double>(hit->t), hit->geometry, hit->primitive);
+  return format("t = %a (%.9g) on geometry %u, primitive %u", static_cast<double>(hit->t), static_cast<double>(hit->t),
+                hit->geometry, hit->primitive);
 }
 
 std::string example(const char* kind, const Finding& finding) {

@@ -33,9 +33,8 @@ RayBatch BatchedRays::batch(std::size_t index) const {
   return {std::min(kMost, size() - start), {at(0), at(1), at(2)}, {at(3), at(4), at(5)}, at(6), at(7)};
 }
 
-std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators,
-                                           const BatchedRays& rays, Query query, const Repeats& repeats,
-                                           const std::function<bool()>& stopped) {
+std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators, const BatchedRays& rays,
+                                           Query query, const Repeats& repeats, const std::function<bool()>& stopped) {
   Answers answers;
   const auto pass = [&](std::size_t i) {
     for (std::size_t b = 0; b < rays.batches(); ++b) {

@@ -42,8 +42,7 @@ std::array<Ray, 8> rays_around(const Ray& ray, float t, float distance) {
 
 /// Whether the surface stops the rays around this one too, before `passed_to`. At a silhouette it does not, and
 /// whether the ray itself is stopped is a matter of rounding.
-bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, Ray ray, const Hit& hit,
-                       float passed_to) {
+bool is_stopped_around(const Geometry& geometry, const Accelerator& exact, Ray ray, const Hit& hit, float passed_to) {
   const float largest = largest_coordinate(ray, geometry, {hit.geometry, hit.primitive});
   const float ulp = std::max(next_float_up(largest) - largest, std::numeric_limits<float>::min());
   ray.t_max = std::min(ray.t_max, passed_to);

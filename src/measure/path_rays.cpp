@@ -51,8 +51,7 @@ std::vector<Edge> shared_edges(const Geometry& geometry) {
     std::sort(keys.begin(), keys.end());
     for (std::size_t i = 1; i < keys.size(); ++i) {
       const bool second_of_its_kind = keys[i] == keys[i - 1] && (i < 2 || keys[i] != keys[i - 2]);
-      if (second_of_its_kind)
-        edges.push_back({mesh.positions[keys[i] >> 32], mesh.positions[keys[i] & 0xffffffffu]});
+      if (second_of_its_kind) edges.push_back({mesh.positions[keys[i] >> 32], mesh.positions[keys[i] & 0xffffffffu]});
     }
   }
   return edges;
@@ -141,8 +140,7 @@ std::vector<RaySet> outline_ray_sets(const Geometry& geometry, const Accelerator
       const vec3 target = set.kind == RayKind::vertex ? edge.a : edge.a + uniform() * (edge.b - edge.a);
       const vec3 origin = origins[uniform.below(origins.size())].origin;
       const Ray ray{origin, target - origin};
-      if (ray.direction == vec3(0.0f) || accelerator.occluded({origin, ray.direction, 0.0f, kAlmostThere}))
-        continue;
+      if (ray.direction == vec3(0.0f) || accelerator.occluded({origin, ray.direction, 0.0f, kAlmostThere})) continue;
       set.rays.push_back(ray);
     }
   }

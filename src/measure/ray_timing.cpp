@@ -50,8 +50,7 @@ std::vector<QueryTimes> time_interleaved(std::size_t count, const Repeats& repea
     if (stopped && stopped()) return times;
     const CpuStopwatch warm_up(CpuClock::thread);
     pass(i);
-    shares[i] =
-        std::max(repeats.least, static_cast<int>(std::min<double>(kMost, repeats.seconds / warm_up.seconds())));
+    shares[i] = std::max(repeats.least, static_cast<int>(std::min<double>(kMost, repeats.seconds / warm_up.seconds())));
   }
   for (const std::size_t i : interleaved_order(shares)) {
     if (stopped && stopped()) return times;

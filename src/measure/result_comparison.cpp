@@ -36,8 +36,7 @@ std::optional<Figure> spread_figure(const Row& row, const std::string& field) {
   }
   const auto value = number(row, field);
   if (!value) return std::nullopt;
-  return Figure{*value, number(row, field + "_min").value_or(*value),
-                number(row, field + "_max").value_or(*value)};
+  return Figure{*value, number(row, field + "_min").value_or(*value), number(row, field + "_max").value_or(*value)};
 }
 
 bool ranges_differ(const Figure& a, const Figure& b) {
@@ -132,8 +131,7 @@ ResultComparison compare_results(const Results& before, const Results& after, bo
     if (old_rows.count(row_key(row)) > 0) comparison.result.only_before.push_back(row_key(row));
   }
   auto& changes = comparison.result.changes;
-  std::stable_sort(changes.begin(), changes.end(),
-                   [](const auto& a, const auto& b) { return a.change < b.change; });
+  std::stable_sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.change < b.change; });
   return std::move(comparison.result);
 }
 

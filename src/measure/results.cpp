@@ -110,8 +110,8 @@ Results read_results(const fs::path& folder) {
   Results results{document["machine"], {}, document["rows"]};
   if (document.contains("runs")) {
     const Row& runs = document["runs"];
-    expect(runs.is_array() && std::all_of(runs.begin(), runs.end(), [](const Row& r) { return r.is_object(); }),
-           file, "runs", "an array of objects");
+    expect(runs.is_array() && std::all_of(runs.begin(), runs.end(), [](const Row& r) { return r.is_object(); }), file,
+           "runs", "an array of objects");
     results.runs = document["runs"].get<std::vector<Row>>();
   }
   return results;
@@ -120,9 +120,7 @@ Results read_results(const fs::path& folder) {
 std::string to_csv(const std::vector<Row>& rows) {
   std::vector<Row::json_pointer> columns;
   std::string csv;
-  const auto add_cell = [&](std::size_t column, const std::string& cell) {
-    csv += (column > 0 ? "," : "") + cell;
-  };
+  const auto add_cell = [&](std::size_t column, const std::string& cell) { csv += (column > 0 ? "," : "") + cell; };
   const auto add_column = [&](const std::string& name, const Row::json_pointer& place) {
     add_cell(columns.size(), name);
     columns.push_back(place);

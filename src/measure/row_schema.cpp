@@ -36,8 +36,7 @@ bool has_type(const Row& value, RowFieldType type) {
     case RowFieldType::string:
       return value.is_string();
     case RowFieldType::strings:
-      return value.is_array() &&
-             std::all_of(value.begin(), value.end(), [](const Row& v) { return v.is_string(); });
+      return value.is_array() && std::all_of(value.begin(), value.end(), [](const Row& v) { return v.is_string(); });
     case RowFieldType::boolean:
       return value.is_boolean();
     case RowFieldType::integer:
@@ -90,8 +89,7 @@ std::string row_fault(const Row& row) {
   if (!row.contains("suite")) return "suite: expected a string";
   for (const auto& [name, value] : row.items()) {
     const auto fields = row_fields();
-    const auto field =
-        std::find_if(fields.begin(), fields.end(), [&](const RowField& f) { return f.name == name; });
+    const auto field = std::find_if(fields.begin(), fields.end(), [&](const RowField& f) { return f.name == name; });
     if (field == fields.end()) return name + ": no field of the schema";
     if (!conforms(value, *field)) return name + ": expected " + expected_text(*field);
     const auto& suites = field->suites;

@@ -93,8 +93,7 @@ ScaleFamily make_scale_family(std::string_view name, std::size_t triangles, std:
   } else if (name == "stadium") {
     constexpr std::size_t kBowl = 200;
     constexpr float kHalf = 1000.0f;
-    meshes.push_back(
-        height_field(kBowl, kHalf, [](float x, float z) { return (x * x + z * z) / (4.0f * kHalf); }));
+    meshes.push_back(height_field(kBowl, kHalf, [](float x, float z) { return (x * x + z * z) / (4.0f * kHalf); }));
     meshes.push_back(sphere_of(triangles, vec3(0.0f, 1.0f, 0.0f), 1.0f));
     detail.extend(vec3(-1.0f, 0.0f, -1.0f));
     detail.extend(vec3(1.0f, 2.0f, 1.0f));

@@ -12,22 +12,20 @@ namespace {
 /// What scattering reads of a material; over the number type F.
 template <class F>
 struct MaterialLanes {
-  F kind;   ///< Material::Kind as a number
+  F kind;  ///< Material::Kind as a number
   F fuzz;
   F index;
 
   MaskOf<F> is(Material::Kind k) const { return kind == F(static_cast<float>(k)); }
 };
-inline MaterialLanes<float> material_lanes(const Material& m) {
-  return {static_cast<float>(m.kind), m.fuzz, m.index};
-}
+inline MaterialLanes<float> material_lanes(const Material& m) { return {static_cast<float>(m.kind), m.fuzz, m.index}; }
 
 /// A direction chosen by a BSDF.
 template <class F>
 struct BsdfSample {
   Vec3<F> wi = Vec3<F>(F(0.0f));
   Vec3<F> weight = Vec3<F>(F(0.0f));  ///< f cos / pdf; 0: absorbed
-  F pdf = F(0.0f);                        ///< per steradian; 0 for a delta direction
+  F pdf = F(0.0f);                    ///< per steradian; 0 for a delta direction
   F eta_squared = F(1.0f);  ///< squared ratio of the indices crossed: by it radiance, and so the weight, has shrunk
   MaskOf<F> delta{};        ///< the only direction of its kind: light sampling cannot find it
 };
@@ -83,8 +81,7 @@ MaskOf<F> has_density(const MaterialLanes<F>& m) {
 
 /// f cos and pdf for a direction; both 0 below the surface and for delta materials.
 template <class F>
-BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
-                            const Vec3<F>& wi) {
+BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo, const Vec3<F>& wi) {
   F pdf(0.0f);
   const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
   if (any(lambertian)) pdf = select(lambertian, wi.z * F(kInvPi), pdf);
@@ -97,8 +94,8 @@ BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Ve
 /// Chooses wi. `inside` says that wo runs inside the dielectric, that is, on the side the geometric normal points
 /// away from. u chooses the direction, lobe the reflection or refraction.
 template <class F>
-BsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
-                               const MaskOf<F>& inside, const Vec2<F>& u, const F& lobe) {
+BsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo, const MaskOf<F>& inside,
+                          const Vec2<F>& u, const F& lobe) {
   const Vec3<F> black(F(0.0f));
   BsdfSample<F> s;
   const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
@@ -155,8 +152,8 @@ V mirrored_at(const V& w, const V& n) {
 /// lies below the surface. It is folded up, mirrored at the surface: dropping it would lose energy at every bounce,
 /// keeping it would let light through. wi must lie above the surface.
 template <class F>
-BsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
-                                  const Vec3<F>& wi, const Vec3<F>& ng) {
+BsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo, const Vec3<F>& wi,
+                             const Vec3<F>& ng) {
   BsdfValue<F> f = eval_bsdf<F>(m, color, wo, wi);
   const BsdfValue<F> folded = eval_bsdf<F>(m, color, wo, mirrored_at(wi, ng));
   f.value += folded.value;
@@ -166,9 +163,8 @@ BsdfValue<F> eval_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, co
 
 /// sample_bsdf() to match: a direction on the wrong side of the geometric surface is mirrored at it.
 template <class F>
-BsdfSample<F> sample_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo,
-                                     const Vec3<F>& ng, const MaskOf<F>& inside, const Vec2<F>& u,
-                                     const F& lobe) {
+BsdfSample<F> sample_bsdf_above(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo, const Vec3<F>& ng,
+                                const MaskOf<F>& inside, const Vec2<F>& u, const F& lobe) {
   BsdfSample<F> s = sample_bsdf<F>(m, color, wo, inside, u, lobe);
   const Vec3<F> folded = mirrored_at(s.wi, ng);
   s.pdf = select(s.delta, s.pdf, s.pdf + eval_bsdf<F>(m, color, wo, folded).pdf);

@@ -19,8 +19,8 @@ struct EmittingTriangle {
 template <class F>
 struct TriangleLightSample {
   Vec3<F> position, wi, target;  ///< as in LightSample
-  F b1, b2;                        ///< barycentric coordinates of the position
-  F pdf;                           ///< as in LightSample
+  F b1, b2;                      ///< barycentric coordinates of the position
+  F pdf;                         ///< as in LightSample
 };
 
 template <class F>
@@ -46,8 +46,7 @@ TriangleLightSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const
 
 /// Density per steradian at p of a point on a triangle with unit normal ng that a ray of unit direction wi has hit.
 template <class F>
-F triangle_pdf(const F& pdf_area, const Vec3<F>& p, const Vec3<F>& hit_position, const Vec3<F>& ng,
-               const Vec3<F>& wi) {
+F triangle_pdf(const F& pdf_area, const Vec3<F>& p, const Vec3<F>& hit_position, const Vec3<F>& ng, const Vec3<F>& wi) {
   const Vec3<F> to_light = hit_position - p;
   const F cosine = abs(dot(ng, wi));
   return select(cosine > F(0.0f), pdf_area * dot(to_light, to_light) / cosine, F(0.0f));

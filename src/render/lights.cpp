@@ -58,8 +58,7 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   if (needs.environment_sampling) {
     const Bounds bounds = geometry.bounds();
     const double radius = bounds.empty() ? 1.0 : 0.5 * glm::length(dvec3(bounds.diagonal()));
-    const double power =
-        4.0 * static_cast<double>(kPi) * radius * radius * scene.environment.mean_luminance();
+    const double power = 4.0 * static_cast<double>(kPi) * radius * radius * scene.environment.mean_luminance();
     if (power > 0.0) {
       environment_ = EnvironmentSampler(scene.environment);
       powers.push_back(power);
@@ -97,8 +96,7 @@ void Lights::fill_choice(const std::vector<double>& powers) {
 
 void Lights::fill_table() {
   const auto varies = [](const TriangleEmitter& t) { return t.varies; };
-  if (count() > LightTable::kMost || count() != triangles_.size() || std::ranges::any_of(triangles_, varies))
-    return;
+  if (count() > LightTable::kMost || count() != triangles_.size() || std::ranges::any_of(triangles_, varies)) return;
   table_ = {};
   table_.count = static_cast<int>(count());
   for (std::size_t i = 1; i < count(); ++i) {
@@ -122,8 +120,8 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   if (!(power > 0.0)) return;
   const SurfacePoint point = point_on_triangle(corners, 0.0f, 0.0f);
   const Texture& texture = scene_.materials[material].color;
-  triangles_.push_back(
-      {corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f, texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
+  triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f,
+                        texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
   powers.push_back(power);
 }
 
@@ -256,8 +254,7 @@ float Lights::sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec
                          const vec3& wi) const {
   if (material_luminance_.empty()) return 0.0f;
   const Sphere& s = scene_.geometry.spheres[sphere];
-  const auto probability =
-      static_cast<float>(material_luminance_[material] * sphere_power(s) * inv_total_power_);
+  const auto probability = static_cast<float>(material_luminance_[material] * sphere_power(s) * inv_total_power_);
   return probability * sphere_direction_pdf(s, p, hit_position, wi);
 }
 

@@ -11,9 +11,9 @@ namespace raylab {
 
 /// A point or direction that light comes from.
 struct LightSample {
-  vec3 wi;          ///< unit, from the shaded point
-  vec3 target;      ///< where the shadow ray ends: off the emitter's surface on the near side; unused if infinite
-  Rgb radiance;     ///< that arrives when nothing is in between
+  vec3 wi;           ///< unit, from the shaded point
+  vec3 target;       ///< where the shadow ray ends: off the emitter's surface on the near side; unused if infinite
+  Rgb radiance;      ///< that arrives when nothing is in between
   float pdf = 0.0f;  ///< per steradian at the shaded point, choice of the emitter included; 0: nothing to see
   bool infinite = false;
 };
@@ -71,8 +71,8 @@ class Lights {
 
   /// The same for the lanes of a mask, by the upper and the lower halves of numbers, as seen from positions given
   /// as arrays of x, y and z.
-  void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
-              const float* u, const float* v, const float* const (&p)[3], LightLanes& out) const;
+  void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low, const float* u,
+              const float* v, const float* const (&p)[3], LightLanes& out) const;
 
   /// Density per steradian at p with which sample() gives the point `hit_position` of an emitter that a ray of unit
   /// direction wi has hit: a triangle with unit normal ng and the material's mean luminance, or a sphere.

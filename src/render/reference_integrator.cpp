@@ -20,9 +20,10 @@ Rgb escaped(const ShadingScene& s, const PathState<float>& path) {
 Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit, std::uint32_t material,
             const SurfacePoint& point, const Rgb& color) {
   if (!s.sample_lights) return path.throughput * color;
-  const float pdf = s.scene.geometry.is_sphere(hit.geometry)
-                        ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
-                        : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
+  const float pdf =
+      s.scene.geometry.is_sphere(hit.geometry)
+          ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
+          : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
   return path.throughput * color * met_light_weight(path, pdf);
 }
 
@@ -66,8 +67,9 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     if (segment >= s.settings.max_depth) return radiance;
 
     const Vec3<float> normals = normal_sum(scene.geometry, *hit);
-    const PathVertex<float> v = path_vertex<float>(material_lanes(material), color, {point.position, point.offset, point.ng},
-                                                   path.direction, s.needs.shading_normals ? &normals : nullptr);
+    const PathVertex<float> v =
+        path_vertex<float>(material_lanes(material), color, {point.position, point.offset, point.ng}, path.direction,
+                           s.needs.shading_normals ? &normals : nullptr);
     const std::uint32_t draw = first_draw(segment);
     if (s.sample_lights && has_density(v.material)) radiance += direct_light(s, v, path, sampler, draw, counts);
 

@@ -24,8 +24,8 @@ std::string describe(const PixelRect& r) {
 
 PixelRect region_of(const RenderOptions& o) {
   if (o.width < 1 || o.height < 1) {
-    throw Error(ErrorKind::input, "render", "a picture of " + std::to_string(o.width) + "x" +
-                                                std::to_string(o.height) + " pixels has none");
+    throw Error(ErrorKind::input, "render",
+                "a picture of " + std::to_string(o.width) + "x" + std::to_string(o.height) + " pixels has none");
   }
   if (o.integrator.max_depth < 1) {
     throw Error(ErrorKind::input, "render.max_depth",
@@ -126,8 +126,7 @@ void RenderSession::run() {
   const Stopwatch watch;
   while (done_samples_ < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed)) {
     // As many as all passes before: few of them, while at no time one pixel has over twice the samples of another.
-    const std::uint32_t wanted =
-        std::max(options_.pass_samples, std::min(done_samples_, options_.most_pass_samples));
+    const std::uint32_t wanted = std::max(options_.pass_samples, std::min(done_samples_, options_.most_pass_samples));
     const std::uint32_t count = std::min(wanted, options_.samples_per_pixel - done_samples_);
     render_pass(options_.first_sample + done_samples_, count);
     done_samples_ += count;

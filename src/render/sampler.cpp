@@ -1,10 +1,9 @@
 #include "raylab/render/sampler.hpp"
 
-#include "sampler_lanes.hpp"
-
 #include <string>
 
 #include "raylab/core/error.hpp"
+#include "sampler_lanes.hpp"
 
 namespace raylab {
 
@@ -15,9 +14,7 @@ SamplerKind parse_sampler(std::string_view name) {
               "unknown sampler \"" + std::string(name) + "\"; expected independent or sobol");
 }
 
-std::string_view sampler_name(SamplerKind kind) {
-  return kind == SamplerKind::independent ? "independent" : "sobol";
-}
+std::string_view sampler_name(SamplerKind kind) { return kind == SamplerKind::independent ? "independent" : "sobol"; }
 
 float Sampler::get1(std::uint32_t d) const {
   return BasicSampler<float>(kind_, pixel_.low, pixel_.high, sample_).get1(d);

@@ -57,9 +57,7 @@ class BasicSampler {
   }
   /// The sample index in Owen-scrambled order: dimensions padded side by side must not visit their points in the
   /// same order, or they would be correlated (pbrt-v4 §8.6.5).
-  UInt shuffled_index(const Pair& h) const {
-    return reverse_bits(owen_scramble_reversed(reversed_sample_, h.second));
-  }
+  UInt shuffled_index(const Pair& h) const { return reverse_bits(owen_scramble_reversed(reversed_sample_, h.second)); }
 
   SamplerKind kind_;
   UInt seed_low_, seed_high_, sample_, reversed_sample_;

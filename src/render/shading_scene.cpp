@@ -66,8 +66,7 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
         out.corner[6 + k][i] = p2[k];
       }
       if (needs.shading_normals) {
-        const vec3 sum =
-            mesh.normals.empty() ? vec3(0.0f) : interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
+        const vec3 sum = mesh.normals.empty() ? vec3(0.0f) : interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
         for (int k = 0; k < 3; ++k) out.normal_sum[k][i] = (&sum.x)[k];
       }
       material_id = scene.mesh_materials[id].of(primitive);
@@ -84,10 +83,9 @@ void ShadingScene::look_up_colors(const HitLanes& hits, const VectorLanes& posit
     const Texture& texture = scene.materials[scene.material_of(hits.geometry[i], hits.primitive[i])].color;
     vec2 uv(0.0f);
     if (texture.kind == Texture::Kind::image) {
-      uv = (out.spheres >> i & 1u) != 0
-               ? sphere_texcoords({ng[0][i], ng[1][i], ng[2][i]})
-               : interpolated_texcoords(scene.geometry.meshes[hits.geometry[i]], hits.primitive[i], hits.u[i],
-                                        hits.v[i]);
+      uv = (out.spheres >> i & 1u) != 0 ? sphere_texcoords({ng[0][i], ng[1][i], ng[2][i]})
+                                        : interpolated_texcoords(scene.geometry.meshes[hits.geometry[i]],
+                                                                 hits.primitive[i], hits.u[i], hits.v[i]);
     }
     const Rgb color = texture_color(texture, scene.textures, {position[0][i], position[1][i], position[2][i]}, uv);
     for (int k = 0; k < 3; ++k) out.color[k][i] = (&color.x)[k];
@@ -98,9 +96,9 @@ void ShadingScene::sphere_light_pdfs(std::uint32_t lanes, const HitLanes& hits, 
                                      const VectorLanes& position, const VectorLanes& wi, float* pdf) const {
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    pdf[i] = lights.sphere_pdf(hits.primitive[i], scene.sphere_materials[hits.primitive[i]],
-                               {p[0][i], p[1][i], p[2][i]}, {position[0][i], position[1][i], position[2][i]},
-                               {wi[0][i], wi[1][i], wi[2][i]});
+    pdf[i] =
+        lights.sphere_pdf(hits.primitive[i], scene.sphere_materials[hits.primitive[i]], {p[0][i], p[1][i], p[2][i]},
+                          {position[0][i], position[1][i], position[2][i]}, {wi[0][i], wi[1][i], wi[2][i]});
   }
 }
 

@@ -15,8 +15,8 @@ inline constexpr float kMissKind = 15.0f;
 
 /// What is known of some hits before their positions are. Masks have bit i for lane i.
 struct SurfaceLanes {
-  alignas(64) float corner[9][kMostLanes];  ///< x, y, z of the three corners; of spheres centre and radius
-  alignas(64) float normal_sum[3][kMostLanes];  ///< see shading_normal(); 0 without one
+  alignas(64) float corner[9][kMostLanes];         ///< x, y, z of the three corners; of spheres centre and radius
+  alignas(64) float normal_sum[3][kMostLanes];     ///< see shading_normal(); 0 without one
   alignas(64) std::uint32_t material[kMostLanes];  ///< row of ShadingScene::materials
   alignas(64) float color[3][kMostLanes];          ///< of lanes where it varies
   std::uint32_t spheres = 0;

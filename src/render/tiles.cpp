@@ -10,8 +10,8 @@ std::vector<PixelRect> centre_out_tiles(const PixelRect& region, int tile_size) 
   std::vector<PixelRect> tiles;
   for (int y = 0; y < region.height; y += tile_size) {
     for (int x = 0; x < region.width; x += tile_size) {
-      tiles.push_back({region.x + x, region.y + y, std::min(tile_size, region.width - x),
-                       std::min(tile_size, region.height - y)});
+      tiles.push_back(
+          {region.x + x, region.y + y, std::min(tile_size, region.width - x), std::min(tile_size, region.height - y)});
     }
   }
   // Ring by ring around the middle, each ring by angle: neighbours in time are neighbours in space.

@@ -1,6 +1,6 @@
 #pragma once
-// The path tracing loop over many paths at a time, compiled once for each instruction set: see core/simd/lanes.hpp. What
-// happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
+// The path tracing loop over many paths at a time, compiled once for each instruction set: see core/simd/lanes.hpp.
+// What happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
 #include <cstddef>
 
 #include "core/simd/vector.hpp"
@@ -38,7 +38,7 @@ struct alignas(64) PathQueue {
   UInts slot;  ///< in the batch
 
   PathState<Wide> load(std::size_t i) const {
-    return {load3(origin, i),           load3(direction, i),         load3(throughput, i),
+    return {load3(origin, i),          load3(direction, i),         load3(throughput, i),
             Wide::load(eta_scale + i), Wide::load(scatter_pdf + i), load3(scatter_position, i)};
   }
   void store(const PathState<Wide>& p, std::size_t i) {
@@ -52,7 +52,7 @@ struct alignas(64) PathQueue {
  private:
   template <class Put>
   void for_each(const PathState<Wide>& p, std::size_t i, const Put& put) {
-    const auto put3 = [&](const WideVec3& v, Floats (&to)[3]) {
+    const auto put3 = [&](const WideVec3& v, Floats(&to)[3]) {
       put(v.x, to[0] + i);
       put(v.y, to[1] + i);
       put(v.z, to[2] + i);
@@ -98,7 +98,10 @@ class Wavefront {
  private:
   template <class Queue>
   static RayBatch rays(const Queue& s, std::size_t count) {
-    return {count, {s.origin[0], s.origin[1], s.origin[2]}, {s.direction[0], s.direction[1], s.direction[2]}, s.t_min,
+    return {count,
+            {s.origin[0], s.origin[1], s.origin[2]},
+            {s.direction[0], s.direction[1], s.direction[2]},
+            s.t_min,
             s.t_max};
   }
 
@@ -115,7 +118,8 @@ class Wavefront {
       WideUInt::load(paths.seed_high.data() + i).store(paths_.seed_high + i);
       WideUInt::load(paths.sample.data() + i).store(paths_.sample + i);
       paths_.store(camera_path<Wide>(scene_.camera.rays(), sampler_of(i), Wide::load(paths.x.data() + i),
-                                     Wide::load(paths.y.data() + i)), i);
+                                     Wide::load(paths.y.data() + i)),
+                   i);
       Wide(0.0f).store(paths_.t_min + i);
       Wide(kInfinity).store(paths_.t_max + i);
       for (std::size_t k = i; k < i + kLanes; ++k) paths_.slot[k] = static_cast<std::uint32_t>(k);
@@ -159,8 +163,8 @@ class Wavefront {
 
     WideVec3 normal_sum;
     if (scene_.needs.shading_normals) normal_sum = load3(surfaces_.normal_sum);
-    PathVertex<Wide> vertex = path_vertex<Wide>(material, color, point, path.direction,
-                                                scene_.needs.shading_normals ? &normal_sum : nullptr);
+    PathVertex<Wide> vertex =
+        path_vertex<Wide>(material, color, point, path.direction, scene_.needs.shading_normals ? &normal_sum : nullptr);
     vertex.smooth = vertex.smooth & alive;
     if (scene_.sample_lights) {
       const WideMask lit = alive & has_density(material);
@@ -247,9 +251,11 @@ class Wavefront {
   }
 
   /// Shadow rays towards one point of one light for each lane.
-  [[gnu::noinline]] void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler, std::uint32_t draw,
-                     const PathVertex<Wide>& vertex, const PathState<Wide>& path) {
-    const ShadowRay<Wide> ray = shadow_ray(vertex, path, sample_lights(lanes, sampler, draw, vertex.point.position), offset_);
+  [[gnu::noinline]] void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler,
+                                       std::uint32_t draw, const PathVertex<Wide>& vertex,
+                                       const PathState<Wide>& path) {
+    const ShadowRay<Wide> ray =
+        shadow_ray(vertex, path, sample_lights(lanes, sampler, draw, vertex.point.position), offset_);
     const WideMask usable = lanes & ray.usable;
     if (!any(usable)) return;
     compress3(ray.origin, usable, shadow_.origin, shadows_);
@@ -268,8 +274,7 @@ class Wavefront {
     if (few.count != 0) {
       const Wide choice = sampler.get1(draw + kLightChoice);
       WideUInt chosen(0u);
-      for (int i = 0; i < few.count - 1; ++i)
-        chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
+      for (int i = 0; i < few.count - 1; ++i) chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
       return sample_triangles([&](int k) { return look_up16(few.columns[k], chosen); }, position, u);
     }
     alignas(64) std::uint32_t choice_high[kMostLanes], choice_low[kMostLanes];
@@ -288,8 +293,8 @@ class Wavefront {
     if (any(triangles)) {
       constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
       const WideUInt chosen = WideUInt::load(light_.emitter) * row;
-      const SampledLight<Wide> s = sample_triangles(
-          [&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, u);
+      const SampledLight<Wide> s =
+          sample_triangles([&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, u);
       light.wi = select<Wide>(triangles, s.wi, light.wi);
       light.target = select<Wide>(triangles, s.target, light.target);
       light.radiance = select<Wide>(triangles, s.radiance, light.radiance);

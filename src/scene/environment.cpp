@@ -38,16 +38,20 @@ vec3 latlong_to_direction(const vec2& uv) {
 
 bool Environment::is_black() const {
   switch (kind) {
-    case Kind::constant: return raylab::is_black(bottom);
-    case Kind::gradient: return raylab::is_black(bottom) && raylab::is_black(top);
-    case Kind::image: return raylab::is_black(picture.mean);
+    case Kind::constant:
+      return raylab::is_black(bottom);
+    case Kind::gradient:
+      return raylab::is_black(bottom) && raylab::is_black(top);
+    case Kind::image:
+      return raylab::is_black(picture.mean);
   }
   return true;
 }
 
 Rgb Environment::radiance(const vec3& d) const {
   switch (kind) {
-    case Kind::constant: return bottom;
+    case Kind::constant:
+      return bottom;
     case Kind::gradient: {
       const float a = 0.5f * (d.y + 1.0f);
       return (1.0f - a) * bottom + a * top;
@@ -65,8 +69,10 @@ Rgb Environment::radiance(const vec3& d) const {
 
 float Environment::mean_luminance() const {
   switch (kind) {
-    case Kind::constant: return luminance(bottom);
-    case Kind::gradient: return 0.5f * (luminance(bottom) + luminance(top));
+    case Kind::constant:
+      return luminance(bottom);
+    case Kind::gradient:
+      return 0.5f * (luminance(bottom) + luminance(top));
     case Kind::image: {
       double sum = 0.0, weights = 0.0;
       for (int y = 0; y < picture.height; ++y) {
@@ -131,9 +137,9 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) {
     const float* cdf = &column_cdf_[static_cast<std::size_t>(y) * (width_ + 1)];
     for (int x = 0; x < width_; ++x) {
       density_[static_cast<std::size_t>(y) * width_ + x] =
-          total > 0.0 ? row_probability * (cdf[x + 1] - cdf[x]) * static_cast<float>(width_) *
-                            static_cast<float>(height_)
-                      : 1.0f;
+          total > 0.0
+              ? row_probability * (cdf[x + 1] - cdf[x]) * static_cast<float>(width_) * static_cast<float>(height_)
+              : 1.0f;
     }
   }
 }

@@ -57,8 +57,7 @@ void place_on_sphere(const Vec3<F>& center, const F& radius, const Vec3<F>& p, P
   const Vec3<F> from_center = p - center;
   point.ng = from_center * (F(1.0f) / sqrt(dot(from_center, from_center)));
   point.position = center + radius * point.ng;
-  point.offset =
-      F(gamma_bound(16)) * (abs(center.x) + abs(center.y) + abs(center.z) + radius);
+  point.offset = F(gamma_bound(16)) * (abs(center.x) + abs(center.y) + abs(center.z) + radius);
 }
 
 /// The shading normal from the sum of a mesh's normals weighted by (1-u-v, u, v): unit and on the side of ng, and ng

@@ -48,8 +48,7 @@ class Grid final : public Accelerator {
     };
     bool found = false;
     walk(ray, [&](std::span<const PrimitiveId> ids, float) {
-      found = std::any_of(ids.begin(), ids.end(),
-                          [&](const auto& id) { return test(id, ray.t_max).has_value(); });
+      found = std::any_of(ids.begin(), ids.end(), [&](const auto& id) { return test(id, ray.t_max).has_value(); });
       return found;
     });
     return found;
@@ -110,9 +109,7 @@ class Grid final : public Accelerator {
     return Cell(scaled);
   }
 
-  std::size_t index(const Cell& c) const {
-    return (static_cast<std::size_t>(c.z) * cells_.y + c.y) * cells_.x + c.x;
-  }
+  std::size_t index(const Cell& c) const { return (static_cast<std::size_t>(c.z) * cells_.y + c.y) * cells_.x + c.x; }
 
   /// Calls visit(primitives, t at which the ray leaves the cell) for the cells along the ray, until it says true.
   template <class Visit>

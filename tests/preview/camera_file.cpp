@@ -70,8 +70,7 @@ TEST_CASE("keys that the file lacks follow the camera's last", "[unit][preview]"
   CHECK(with_camera(kOdd, "odd.toml", camera) == expected);
 }
 
-TEST_CASE("cameras written as inline tables, dotted keys, empty or not at all are changed too",
-          "[unit][preview]") {
+TEST_CASE("cameras written as inline tables, dotted keys, empty or not at all are changed too", "[unit][preview]") {
   const std::string text =
       GENERATE(as<std::string>{},
                "\xef\xbb\xbf"
@@ -95,8 +94,7 @@ TEST_CASE("every float is read back as the same float", "[unit][preview]") {
     CameraSettings camera = some_camera();
     for (int k = 0; k < 3; ++k) {
       const float x = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
-      if (std::abs(x) > 1e-30f && std::abs(x) < 1e5f)
-        camera.look_from[k] = x;  // farther away the view is along up
+      if (std::abs(x) > 1e-30f && std::abs(x) < 1e5f) camera.look_from[k] = x;  // farther away the view is along up
     }
     const std::string changed = with_camera(kOdd, "odd.toml", camera);  // checks what it wrote by reading it
     REQUIRE_FALSE(changed.empty());

@@ -64,9 +64,9 @@ TEST_CASE("the keys move the camera the way they say", "[unit][preview]") {
     Key key;
     dvec3 way;
   };
-  const Way w = GENERATE(Way{Key::w, {0, 0, -1}}, Way{Key::s, {0, 0, 1}}, Way{Key::a, {-1, 0, 0}},
-                         Way{Key::d, {1, 0, 0}}, Way{Key::space, {0, 1, 0}}, Way{Key::r, {0, 1, 0}},
-                         Way{Key::e, {0, -1, 0}}, Way{Key::q, {0, -1, 0}});
+  const Way w =
+      GENERATE(Way{Key::w, {0, 0, -1}}, Way{Key::s, {0, 0, 1}}, Way{Key::a, {-1, 0, 0}}, Way{Key::d, {1, 0, 0}},
+               Way{Key::space, {0, 1, 0}}, Way{Key::r, {0, 1, 0}}, Way{Key::e, {0, -1, 0}}, Way{Key::q, {0, -1, 0}});
   Ball ball;
   ball.press(w.key, 0.5);
   CHECK(ball.explorer->moved());
@@ -153,8 +153,7 @@ TEST_CASE("the depths of a view are found once, and anew when the view changes",
   CHECK(surfaces.depths()[60] == Approx(5.0f));
 }
 
-TEST_CASE("the mouse turns the camera while it is captured or a button is held, and never else",
-          "[unit][preview]") {
+TEST_CASE("the mouse turns the camera while it is captured or a button is held, and never else", "[unit][preview]") {
   Ball ball;
   Mouse mouse(*ball.explorer);
   mouse.put(50.0, 50.0);

@@ -48,9 +48,9 @@ class Gate final : public Accelerator {
  private:
   std::unique_ptr<Accelerator> behind_;
 };
-const RegisterAccelerator registered{
-    {"gate", "for these tests",
-     [](const Geometry& g, const AcceleratorOptions& o) { return std::make_unique<Gate>(g, o); }}};
+const RegisterAccelerator registered{{"gate", "for these tests", [](const Geometry& g, const AcceleratorOptions& o) {
+                                        return std::make_unique<Gate>(g, o);
+                                      }}};
 
 template <class Condition>
 bool eventually(const Condition& condition) {
@@ -72,8 +72,7 @@ TEST_CASE("the still picture is that of a render session, bit for bit", "[unit][
   LiveRender live(cornell.loaded.scene, cornell.shelf);
   live.ask(cornell.request(80, 1000));
   const std::uint64_t number = live.ask(request);
-  REQUIRE(
-      eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
+  REQUIRE(eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
   const auto picture = live.latest();
   CHECK(picture->samples == 5);
 
@@ -180,8 +179,7 @@ TEST_CASE("what goes wrong while tracing is said", "[unit][preview]") {
   REQUIRE(eventually([&] { return !live.failure().empty(); }));
   CHECK(live.failure().find("look_at") != std::string::npos);
   const std::uint64_t number = live.ask(cornell.request(10, 1));
-  REQUIRE(
-      eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
+  REQUIRE(eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
   CHECK(live.failure().empty());
 }
 

@@ -157,8 +157,7 @@ TEST_CASE("the focus plane is translucent, lies where the focus is and ends at i
   CHECK_FALSE(near_to(at(behind, 14, 107), kSky, 10));
 }
 
-TEST_CASE("over the traced picture the focus plane tints what lies behind it, and nothing else",
-          "[gui][preview]") {
+TEST_CASE("over the traced picture the focus plane tints what lies behind it, and nothing else", "[gui][preview]") {
   const Display display;
   const auto shot = [&](const char* name) { return "wait still\nscreenshot " + display.file(name) + "\n"; };
   // Focus on the sphere's front, 4 away, then go a little into the sphere.
@@ -210,10 +209,9 @@ TEST_CASE("M captures the mouse: it then looks around as with a button held, unt
 
 TEST_CASE("the still picture is that of raylab-render, bit for bit, also after a flight", "[gui][preview]") {
   const Display display;
-  display.run_script(
-      "key v\nwait still\npicture " + display.file("a.exr") + "\nscreenshot " + display.file("a.png") +
-          "\nkey d 30\ndrag 20 10\nkey ] 30\nkey enter\nwait still\npicture " + display.file("b.exr"),
-      {"--no-hud", "--width", "150", "--height", "100"});
+  display.run_script("key v\nwait still\npicture " + display.file("a.exr") + "\nscreenshot " + display.file("a.png") +
+                         "\nkey d 30\ndrag 20 10\nkey ] 30\nkey enter\nwait still\npicture " + display.file("b.exr"),
+                     {"--no-hud", "--width", "150", "--height", "100"});
   const auto render = [&](const std::string& scene, const std::string& picture) {
     const ProgramResult result = run_program(RAYLAB_BINARY_DIR "/raylab-render",
                                              {scene, "--width", "150", "--height", "100", "-q", "-o", picture});
@@ -230,8 +228,8 @@ TEST_CASE("the still picture is that of raylab-render, bit for bit, also after a
   render(display.scene, display.file("a-ref.exr"));
   render(display.scene, display.file("a-ref.png"));
   CHECK((read_exr(display.file("a.exr")).pixels == read_exr(display.file("a-ref.exr")).pixels));
-  CHECK((read_image8(display.file("a.png")).rgb ==
-         read_image8(display.file("a-ref.png")).rgb));  // what the window shows
+  CHECK(
+      (read_image8(display.file("a.png")).rgb == read_image8(display.file("a-ref.png")).rgb));  // what the window shows
   CHECK((read_exr(display.file("a.exr")).pixels != read_exr(display.file("b.exr")).pixels));
 }
 

@@ -45,9 +45,7 @@ struct AgreementReport {
   std::size_t undecided = 0;
   UlpError t_error_ulp;  ///< where both hit the same primitive, or at the same place
 
-  bool agrees() const {
-    return false_misses.count + false_hits.count + wrong_primitives.count + occlusion.count == 0;
-  }
+  bool agrees() const { return false_misses.count + false_hits.count + wrong_primitives.count + occlusion.count == 0; }
 };
 
 /// Sends every ray through both. The geometry is the one both were built for.

@@ -27,8 +27,8 @@ class BatchedRays {
 };
 
 /// As time_queries(), with batch queries.
-std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators,
-                                           const BatchedRays& rays, Query query, const Repeats& repeats,
+std::vector<QueryTimes> time_batch_queries(std::span<const Accelerator* const> accelerators, const BatchedRays& rays,
+                                           Query query, const Repeats& repeats,
                                            const std::function<bool()>& stopped = {});
 
 /// Answers single rays as another accelerator answered them in batches, so that batches can be judged like

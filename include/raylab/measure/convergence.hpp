@@ -20,12 +20,11 @@ Reference make_reference(const Image& half, const Image& other_half);
 
 /// Errors of several pictures made with independent random numbers.
 struct RunErrors {
-  double relmse = 0.0;          ///< mean over the runs; includes the reference's own
-  double relmse_error = 0.0;    ///< standard error of that mean, from the spread of the runs; infinite for one run
-  double relmse_trimmed = 0.0;  ///< the same without each run's worst 0.1% of the pixels
-  double mean_ratio = 1.0;      ///< mean over the runs: the bias
-  double mean_ratio_error =
-      0.0;  ///< its standard error: noise of the runs, and of the reference, which they share
+  double relmse = 0.0;            ///< mean over the runs; includes the reference's own
+  double relmse_error = 0.0;      ///< standard error of that mean, from the spread of the runs; infinite for one run
+  double relmse_trimmed = 0.0;    ///< the same without each run's worst 0.1% of the pixels
+  double mean_ratio = 1.0;        ///< mean over the runs: the bias
+  double mean_ratio_error = 0.0;  ///< its standard error: noise of the runs, and of the reference, which they share
 };
 RunErrors combine(const std::vector<ImageError>& runs, const Reference& reference);
 

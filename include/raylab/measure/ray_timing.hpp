@@ -34,7 +34,6 @@ std::vector<QueryTimes> time_interleaved(std::size_t count, const Repeats& repea
 
 /// Sends all rays through each accelerator, the repeats interleaved.
 std::vector<QueryTimes> time_queries(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
-                                     Query query, const Repeats& repeats,
-                                     const std::function<bool()>& stopped = {});
+                                     Query query, const Repeats& repeats, const std::function<bool()>& stopped = {});
 
 }  // namespace raylab

@@ -15,8 +15,8 @@
 namespace raylab {
 
 enum class IntegratorKind : std::uint8_t {
-  path,  ///< light sampling, multiple importance sampling, Russian roulette
-  book,  ///< BSDF sampling alone to the fixed depth, as in Ray Tracing in One Weekend
+  path,       ///< light sampling, multiple importance sampling, Russian roulette
+  book,       ///< BSDF sampling alone to the fixed depth, as in Ray Tracing in One Weekend
   reference,  ///< `path` ray by ray and path by path: the same bits, from code that reads like the book
 };
 

@@ -29,16 +29,16 @@ struct RenderOptions {
   CameraSettings camera;
   int width = 0;
   int height = 0;
-  std::optional<PixelRect> crop;       ///< part of the picture to render; absent: all of it
-  std::uint32_t first_sample = 0;      ///< of the range of sample indices to take
+  std::optional<PixelRect> crop;   ///< part of the picture to render; absent: all of it
+  std::uint32_t first_sample = 0;  ///< of the range of sample indices to take
   std::uint32_t samples_per_pixel = 64;
   std::uint32_t seed = 0;
   SamplerKind sampler = SamplerKind::sobol;
   IntegratorSettings integrator;
-  int tile_size = 16;                  ///< pixels; changes no result
-  std::uint32_t pass_samples = 16;     ///< of the first pass; changes no result
+  int tile_size = 16;                    ///< pixels; changes no result
+  std::uint32_t pass_samples = 16;       ///< of the first pass; changes no result
   std::uint32_t most_pass_samples = 64;  ///< later passes take as many as all before, up to this
-  std::optional<SceneNeeds> needs;     ///< absent: what scene_needs() says
+  std::optional<SceneNeeds> needs;       ///< absent: what scene_needs() says
 };
 
 /// The camera ray of one sample and the numbers its path goes on with.
@@ -57,9 +57,9 @@ struct DroppedSample {
 
 struct RenderStats {
   RayCounts rays;
-  std::uint64_t dropped = 0;                    ///< samples that were NaN, infinite or negative
-  std::optional<DroppedSample> first_dropped;   ///< the first in picture order, then sample order
-  double seconds = 0.0;                         ///< wall clock spent rendering
+  std::uint64_t dropped = 0;                   ///< samples that were NaN, infinite or negative
+  std::optional<DroppedSample> first_dropped;  ///< the first in picture order, then sample order
+  double seconds = 0.0;                        ///< wall clock spent rendering
 
   void add(const RenderStats& other);
 };
@@ -126,8 +126,8 @@ class RenderSession {
   std::atomic<bool> stop_{false};
   std::atomic<bool> finished_{false};
   std::condition_variable ended_changed_;
-  bool ended_ = false;           // of the started run; guarded by mutex_
-  std::exception_ptr failure_;   // what it threw; guarded by mutex_
+  bool ended_ = false;          // of the started run; guarded by mutex_
+  std::exception_ptr failure_;  // what it threw; guarded by mutex_
   std::thread thread_;
 };
 

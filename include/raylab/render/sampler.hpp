@@ -32,7 +32,8 @@ struct PixelSeed {
 /// dimension), so any sample can be made again by itself.
 class Sampler {
  public:
-  Sampler(SamplerKind kind, const PixelSeed& pixel, std::uint32_t sample) : kind_(kind), pixel_(pixel), sample_(sample) {}
+  Sampler(SamplerKind kind, const PixelSeed& pixel, std::uint32_t sample)
+      : kind_(kind), pixel_(pixel), sample_(sample) {}
   Sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t x, std::uint32_t y, std::uint32_t sample)
       : Sampler(kind, PixelSeed(seed, x, y), sample) {}
 

@@ -9,8 +9,8 @@ struct CameraSettings {
   vec3 look_from = vec3(0.0f, 0.0f, 0.0f);
   vec3 look_at = vec3(0.0f, 0.0f, -1.0f);
   vec3 up = vec3(0.0f, 1.0f, 0.0f);
-  float vfov = 90.0f;           ///< degrees, vertical, in (0, 180)
-  float defocus_angle = 0.0f;   ///< degrees, full angle of the cone from the lens to the point in focus; 0: pinhole
+  float vfov = 90.0f;            ///< degrees, vertical, in (0, 180)
+  float defocus_angle = 0.0f;    ///< degrees, full angle of the cone from the lens to the point in focus; 0: pinhole
   float focus_distance = 10.0f;  ///< along the view direction; > 0
 };
 
@@ -27,7 +27,7 @@ class Camera {
   /// What rays are made of.
   struct Rays {
     vec3 origin;
-    vec3 corner;  ///< from the eye to the upper left corner of the picture in the plane of focus
+    vec3 corner;          ///< from the eye to the upper left corner of the picture in the plane of focus
     vec3 step_x, step_y;  ///< of one pixel
     vec3 lens_x, lens_y;  ///< from the centre of the lens to its rim
     bool has_lens;

@@ -46,10 +46,10 @@ class EnvironmentSampler {
   std::size_t bytes() const;
 
  private:
-  int width_ = 0, height_ = 0;          // 0: uniform
-  std::vector<float> row_cdf_;          // height + 1
-  std::vector<float> column_cdf_;       // height * (width + 1)
-  std::vector<float> density_;          // per texel, relative to the unit square; height * width
+  int width_ = 0, height_ = 0;     // 0: uniform
+  std::vector<float> row_cdf_;     // height + 1
+  std::vector<float> column_cdf_;  // height * (width + 1)
+  std::vector<float> density_;     // per texel, relative to the unit square; height * width
 };
 
 /// Position in the picture, u and v in [0, 1], v from the top, of unit direction d, and back.

@@ -17,9 +17,9 @@ struct Material {
   };
   std::string name;
   Kind kind = Kind::lambertian;
-  Texture color;        ///< albedo in [0, 1], or radiance >= 0 of a light
-  float fuzz = 0.0f;    ///< metal, in [0, 1]
-  float index = 1.5f;   ///< dielectric, > 0
+  Texture color;       ///< albedo in [0, 1], or radiance >= 0 of a light
+  float fuzz = 0.0f;   ///< metal, in [0, 1]
+  float index = 1.5f;  ///< dielectric, > 0
 };
 
 /// What the kinds are called in scene files, in their order.

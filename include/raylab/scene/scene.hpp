@@ -23,9 +23,7 @@ struct MeshMaterials {
   std::uint32_t common = 0;
   std::vector<std::uint16_t> per_triangle;  ///< empty: `common` for all
 
-  std::uint32_t of(std::uint32_t triangle) const {
-    return per_triangle.empty() ? common : per_triangle[triangle];
-  }
+  std::uint32_t of(std::uint32_t triangle) const { return per_triangle.empty() ? common : per_triangle[triangle]; }
 };
 
 struct Scene {
@@ -33,15 +31,14 @@ struct Scene {
   RenderSettings render;
   Environment environment;
   Geometry geometry;
-  std::vector<MeshMaterials> mesh_materials;       ///< one for each mesh
-  std::vector<std::string> mesh_names;             ///< one for each mesh, for messages
-  std::vector<std::uint32_t> sphere_materials;     ///< one for each sphere
+  std::vector<MeshMaterials> mesh_materials;    ///< one for each mesh
+  std::vector<std::string> mesh_names;          ///< one for each mesh, for messages
+  std::vector<std::uint32_t> sphere_materials;  ///< one for each sphere
   std::vector<Material> materials;
   std::vector<TextureImage> textures;
 
   std::uint32_t material_of(std::uint32_t geometry_id, std::uint32_t primitive) const {
-    return geometry.is_sphere(geometry_id) ? sphere_materials[primitive]
-                                           : mesh_materials[geometry_id].of(primitive);
+    return geometry.is_sphere(geometry_id) ? sphere_materials[primitive] : mesh_materials[geometry_id].of(primitive);
   }
 
   /// Bytes of geometry, material ids and textures.

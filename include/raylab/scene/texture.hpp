@@ -54,9 +54,12 @@ inline Rgb texture_color(const Texture& texture, const std::vector<TextureImage>
 /// Mean luminance over the texture, for choosing among lights.
 inline float mean_luminance(const Texture& texture, const std::vector<TextureImage>& images) {
   switch (texture.kind) {
-    case Texture::Kind::solid: return luminance(texture.a);
-    case Texture::Kind::checker: return 0.5f * (luminance(texture.a) + luminance(texture.b));
-    case Texture::Kind::image: return luminance(images[texture.image].mean);
+    case Texture::Kind::solid:
+      return luminance(texture.a);
+    case Texture::Kind::checker:
+      return 0.5f * (luminance(texture.a) + luminance(texture.b));
+    case Texture::Kind::image:
+      return luminance(images[texture.image].mean);
   }
   return 0.0f;
 }

@@ -32,8 +32,7 @@ constexpr float kBookDirectionRange = 0x1p120f;
 
 class Bvh final : public Accelerator {
  public:
-  Bvh(const Geometry& geometry, const AcceleratorOptions& options)
-      : kernel_(kernel_of(choose_isa(options.isa))) {
+  Bvh(const Geometry& geometry, const AcceleratorOptions& options) : kernel_(kernel_of(choose_isa(options.isa))) {
     const Intersector intersector = options.intersector.value_or(Intersector::watertight);
     intersect_ = kernel_.intersect[static_cast<std::size_t>(intersector)];
     occluded_ = kernel_.occluded[static_cast<std::size_t>(intersector)];
@@ -111,12 +110,11 @@ class Bvh final : public Accelerator {
     GroupHits hits;
     for (std::size_t first = 0; first < rays.count; first += kGroup) {
       const std::size_t count = std::min<std::size_t>(kGroup, rays.count - first);
-      const RayBatch group{
-          count,
-          {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
-          {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
-          rays.t_min + first,
-          rays.t_max + first};
+      const RayBatch group{count,
+                           {rays.origin[0] + first, rays.origin[1] + first, rays.origin[2] + first},
+                           {rays.direction[0] + first, rays.direction[1] + first, rays.direction[2] + first},
+                           rays.t_min + first,
+                           rays.t_max + first};
       trace(view_, group, hits);
       take(first, count, hits);
     }

@@ -26,15 +26,15 @@ constexpr int kLanes = 4;
 /// A register of N floats, and what has the same size.
 template <int N>
 struct Register;
-#define RAYLAB_REGISTER(N)                                           \
-  template <>                                                        \
-  struct Register<N> {                                               \
-    using Float = float __attribute__((vector_size(N * 4)));         \
-    using Int = std::int32_t __attribute__((vector_size(N * 4)));    \
-    using UInt = std::uint32_t __attribute__((vector_size(N * 4)));  \
-    using Double = double __attribute__((vector_size(N * 4)));       \
-    using Long = std::int64_t __attribute__((vector_size(N * 4)));   \
-    using Bytes = std::uint8_t __attribute__((vector_size(N * 4)));  \
+#define RAYLAB_REGISTER(N)                                            \
+  template <>                                                         \
+  struct Register<N> {                                                \
+    using Float = float __attribute__((vector_size(N * 4)));          \
+    using Int = std::int32_t __attribute__((vector_size(N * 4)));     \
+    using UInt = std::uint32_t __attribute__((vector_size(N * 4)));   \
+    using Double = double __attribute__((vector_size(N * 4)));        \
+    using Long = std::int64_t __attribute__((vector_size(N * 4)));    \
+    using Bytes = std::uint8_t __attribute__((vector_size(N * 4)));   \
     using HalfInt = std::int32_t __attribute__((vector_size(N * 2))); \
   }
 RAYLAB_REGISTER(4);
@@ -50,7 +50,8 @@ using Double8 = Register<16>::Double;
 
 namespace native {
 
-// --- x86: SSE4.2, AVX2, AVX-512 (F, BW, DQ, VL) -----------------------------------------------------------------------
+// --- x86: SSE4.2, AVX2, AVX-512 (F, BW, DQ, VL)
+// -----------------------------------------------------------------------
 #if defined(__x86_64__)
 
 inline Float4 min(Float4 a, Float4 b) { return _mm_min_ps(a, b); }
@@ -94,9 +95,7 @@ inline Float8 permute(Float8 x, __m256i index) { return _mm256_permutevar8x32_ps
 inline Float16 min(Float16 a, Float16 b) { return _mm512_min_ps(a, b); }
 inline Float16 max(Float16 a, Float16 b) { return _mm512_max_ps(a, b); }
 inline Float16 sqrt(Float16 x) { return _mm512_sqrt_ps(x); }
-inline Float16 floor(Float16 x) {
-  return _mm512_roundscale_ps(x, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
-}
+inline Float16 floor(Float16 x) { return _mm512_roundscale_ps(x, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
 inline Double8 sqrt(Double8 x) { return _mm512_sqrt_pd(x); }
 inline void widen(Float16 x, Double8& low, Double8& high) {
   low = _mm512_cvtps_pd(_mm512_castps512_ps256(x));
@@ -119,7 +118,8 @@ inline Float8 blend(__mmask8 m, Float8 yes, Float8 no) { return _mm256_mask_blen
 inline Float16 blend(__mmask16 m, Float16 yes, Float16 no) { return _mm512_mask_blend_ps(m, no, yes); }
 #endif
 
-// --- 64-bit Arm: NEON -------------------------------------------------------------------------------------------------
+// --- 64-bit Arm: NEON
+// -------------------------------------------------------------------------------------------------
 #else
 
 // NEON's own minimum and maximum give NaN where either number is NaN.

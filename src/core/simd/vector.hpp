@@ -25,8 +25,7 @@ struct Mask {
 
 #if defined(__AVX512F__)
 template <int N>
-  requires(N <= kLanes)
-struct Mask<N> {
+requires(N <= kLanes) struct Mask<N> {
   using Bits = std::conditional_t<N == 16, __mmask16, __mmask8>;
   Bits v;
   static Mask of(std::uint32_t bits) { return {static_cast<Bits>(bits)}; }
@@ -39,8 +38,7 @@ struct Mask<N> {
 };
 #else
 template <int N>
-  requires(N <= kLanes)
-struct Mask<N> {
+requires(N <= kLanes) struct Mask<N> {
   using Int = typename Register<N>::Int;
   Int v;
   static Mask of(std::uint32_t bits) {
@@ -60,8 +58,7 @@ struct Mask<N> {
 template <int N>
 struct UInt;
 template <int N>
-  requires(N <= kLanes)
-struct UInt<N> {
+requires(N <= kLanes) struct UInt<N> {
   using Lanes = typename Register<N>::UInt;
   Lanes v;
   UInt() = default;
@@ -126,8 +123,7 @@ struct Float {
 };
 
 template <int N>
-  requires(N <= kLanes)
-struct Float<N> {
+requires(N <= kLanes) struct Float<N> {
   using Mask = raylab::Mask<N>;
   using UInt = raylab::UInt<N>;
   using Double = raylab::Double<N>;
@@ -207,8 +203,7 @@ Float<N> next_down_positive(Float<N> x) {
 
 /// As many doubles as Float<N> has floats, in two registers.
 template <int N>
-  requires(N <= kLanes)
-struct Double<N> {
+requires(N <= kLanes) struct Double<N> {
   using Mask = raylab::Mask<N>;
   using Half = typename Register<N>::Double;
   using Long = typename Register<N>::Long;
@@ -268,9 +263,7 @@ using WideVec3 = Vec3<Wide>;
 constexpr bool kSixteenAtOnce = kLanes == 16;
 
 /// The first `count` lanes.
-inline WideMask first_lanes(std::size_t count) {
-  return WideMask::of((1u << (count < kLanes ? count : kLanes)) - 1u);
-}
+inline WideMask first_lanes(std::size_t count) { return WideMask::of((1u << (count < kLanes ? count : kLanes)) - 1u); }
 /// From arrays of x, y and z.
 inline WideVec3 load3(const float* x, const float* y, const float* z) {
   return {Wide::load(x), Wide::load(y), Wide::load(z)};
@@ -284,7 +277,8 @@ inline WideUInt reverse_bits(WideUInt x) {
   const auto swapped_bytes =
       native::repeat(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12), size.v);
   const auto to_high = native::repeat(_mm_setr_epi8(0x00, -0x80, 0x40, -0x40, 0x20, -0x60, 0x60, -0x20, 0x10, -0x70,
-                                                    0x50, -0x30, 0x30, -0x50, 0x70, -0x10), size.v);
+                                                    0x50, -0x30, 0x30, -0x50, 0x70, -0x10),
+                                      size.v);
   const auto to_low = native::repeat(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15), size.v);
   using Bytes = std::remove_const_t<decltype(swapped_bytes)>;
   const auto bytes = [](WideUInt u) { return reinterpret_cast<Bytes>(u.v); };
@@ -415,12 +409,12 @@ class Permutation16 {
 #if defined(__AVX2__)
 /// Eight indices of lanes, packed into four bits each, the first in the lowest; and with the first in the highest.
 inline UInt<8> unpack_indices(std::uint32_t packed) {
-  return UInt<8>::Lanes(_mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(packed)),
-                                          _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28)));
+  return UInt<8>::Lanes(
+      _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(packed)), _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28)));
 }
 inline UInt<8> unpack_indices_backwards(std::uint32_t packed) {
-  return UInt<8>::Lanes(_mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(packed)),
-                                          _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0)));
+  return UInt<8>::Lanes(
+      _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(packed)), _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0)));
 }
 /// The lanes with these indices.
 inline Float<8> permute(Float<8> x, UInt<8> index) {

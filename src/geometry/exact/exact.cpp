@@ -26,9 +26,7 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 /// How near a crossing is enclosed without asking integers.
 constexpr double kEnoughDigits = 0x1p-40;
 
-vec3 without_denormals(const vec3& v) {
-  return {without_denormal(v.x), without_denormal(v.y), without_denormal(v.z)};
-}
+vec3 without_denormals(const vec3& v) { return {without_denormal(v.x), without_denormal(v.y), without_denormal(v.z)}; }
 
 Surd fraction(Integer numerator, Integer denominator, int exponent) {
   if (denominator.sign() < 0) {

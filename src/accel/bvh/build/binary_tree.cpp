@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "build_box.hpp"
 #include "../layout/layout.hpp"
+#include "build_box.hpp"
 #include "object_split.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/parallel.hpp"
@@ -128,8 +128,7 @@ class Builder {
     left = {range.begin, range.begin, range.begin, {}, {}};
     right = {range.end, range.end, range.end, {}, {}};
     const bool is_split = range.size() <= kBlockSize && split_by_kind(range, left, right);
-    if (!is_split && (depth >= kHeuristicDepth || !split_well(range, left, right)))
-      split_in_half(range, left, right);
+    if (!is_split && (depth >= kHeuristicDepth || !split_well(range, left, right))) split_in_half(range, left, right);
     if (range.room > right.end) share_room(range, left, right);
   }
 
@@ -147,9 +146,7 @@ class Builder {
       return true;
     if (best.axis < 0) return false;
     const auto axis = static_cast<std::size_t>(best.axis);
-    partition(range, left, right, [&](const Primitive& p) {
-      return binning(p)[axis] < best.bin;
-    });
+    partition(range, left, right, [&](const Primitive& p) { return binning(p)[axis] < best.bin; });
     return true;
   }
 

@@ -2,8 +2,8 @@
 // The binary tree over all primitives, before it is made wide.
 #include <cstdint>
 
-#include "huge_array.hpp"
 #include "../layout/layout.hpp"
+#include "huge_array.hpp"
 #include "primitives.hpp"
 #include "raylab/accel/accelerator.hpp"
 
@@ -39,7 +39,6 @@ enum class Splits { of_primitives, of_space_too };
 
 /// The tree does not depend on the number of threads. A leaf is one sphere, or up to kBlockSize different
 /// triangles in ascending order of their ids. No leaf is deeper than kMaxDepth.
-BinaryTree build_binary_tree(const Geometry& geometry, BuildQuality quality,
-                             Splits splits = Splits::of_primitives);
+BinaryTree build_binary_tree(const Geometry& geometry, BuildQuality quality, Splits splits = Splits::of_primitives);
 
 }  // namespace raylab::bvh

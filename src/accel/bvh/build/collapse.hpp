@@ -2,8 +2,8 @@
 // The tree that is traversed: wide nodes, and leaves laid out for vectors.
 #include <cstddef>
 
-#include "huge_array.hpp"
 #include "../layout/layout.hpp"
+#include "huge_array.hpp"
 #include "raylab/accel/accelerator.hpp"
 
 namespace raylab::bvh {

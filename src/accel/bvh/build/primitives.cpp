@@ -59,8 +59,7 @@ Primitives collect_primitives(const Geometry& geometry, double spare) {
       total += count;
     }
   }
-  Primitives primitives{HugeArray<Primitive>(total + static_cast<std::size_t>(spare * static_cast<double>(total))),
-                        0};
+  Primitives primitives{HugeArray<Primitive>(total + static_cast<std::size_t>(spare * static_cast<double>(total))), 0};
   Primitive* const all = primitives.all.data();
   parallel_for(chunks.size(), [&](std::size_t c) {
     Chunk& chunk = chunks[c];

@@ -110,8 +110,8 @@ class Optimizer {
   }
 
   /// The best new position for a node. Taking it out saves its parent, and shrinks the boxes above; putting it in
-  /// as the sibling of another adds their common box, and grows those between that and the path upwards. All nodes off the
-  /// path are searched, except below one where what is saved less what has already grown cannot pay for the node's
+  /// as the sibling of another adds their common box, and grows those between that and the path upwards. All nodes off
+  /// the path are searched, except below one where what is saved less what has already grown cannot pay for the node's
   /// own area, which the common box has at least.
   Move find_move(std::uint32_t node, std::vector<std::pair<double, std::uint32_t>>& stack) const {
     Move best{node, 0, 0.0};

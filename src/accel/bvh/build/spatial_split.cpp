@@ -158,8 +158,8 @@ SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primit
   return best;
 }
 
-void partition_references(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, Four scale,
-          std::vector<Primitive>& left, std::vector<Primitive>& right) {
+void partition_references(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split,
+                          Four scale, std::vector<Primitive>& left, std::vector<Primitive>& right) {
   const int axis = split.axis;
   Box left_box = split.left_box, right_box = split.right_box;
   auto left_count = static_cast<float>(split.left_count);

@@ -23,7 +23,7 @@ SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primit
 
 /// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never
 /// parted.
-void partition_references(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split, Four scale,
-          std::vector<Primitive>& left, std::vector<Primitive>& right);
+void partition_references(const Geometry& geometry, std::span<const Primitive> references, const SpatialSplit& split,
+                          Four scale, std::vector<Primitive>& left, std::vector<Primitive>& right);
 
 }  // namespace raylab::bvh

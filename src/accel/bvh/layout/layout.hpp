@@ -47,8 +47,8 @@ inline constexpr int kBlockSize = 16;
 struct alignas(64) SharedBlock {
   float position[3][kBlockSize];  ///< x of all vertices, then y, then z; unused ones are 0
   alignas(16) std::uint8_t corner[3][kBlockSize];
-  std::uint32_t first;  ///< slot of lane 0 in the order of the tree; the lanes follow, their ids ascending
-  std::uint32_t lanes;  ///< bit i set: lane i is a triangle
+  std::uint32_t first;     ///< slot of lane 0 in the order of the tree; the lanes follow, their ids ascending
+  std::uint32_t lanes;     ///< bit i set: lane i is a triangle
   std::uint32_t vertices;  ///< how many there are
 };
 
@@ -60,12 +60,8 @@ struct alignas(64) SeparateBlock {
 };
 
 /// Which position of a block is corner k of the triangle in a lane.
-[[gnu::always_inline]] inline int corner_of(const SharedBlock& block, int k, int lane) {
-  return block.corner[k][lane];
-}
-[[gnu::always_inline]] inline int corner_of(const SeparateBlock&, int k, int lane) {
-  return k * kBlockSize + lane;
-}
+[[gnu::always_inline]] inline int corner_of(const SharedBlock& block, int k, int lane) { return block.corner[k][lane]; }
+[[gnu::always_inline]] inline int corner_of(const SeparateBlock&, int k, int lane) { return k * kBlockSize + lane; }
 
 struct alignas(64) CacheLine {
   unsigned char bytes[64];

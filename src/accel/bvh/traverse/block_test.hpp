@@ -42,8 +42,9 @@ template <class Block>
 [[gnu::noinline, gnu::cold]] bool hit_in_double(const Block& block, int lane, const TraversalRay& ray, float limit,
                                                 TraversalHit& hit) {
   ScalarHit found;
-  const bool is_hit = watertight_in_double(PreparedRay(three(ray.origin), three(ray.direction)), corner_at(block, 0, lane),
-                                           corner_at(block, 1, lane), corner_at(block, 2, lane), found);
+  const bool is_hit =
+      watertight_in_double(PreparedRay(three(ray.origin), three(ray.direction)), corner_at(block, 0, lane),
+                           corner_at(block, 1, lane), corner_at(block, 2, lane), found);
   hit = {found.t, found.u, found.v, block.first + static_cast<std::uint32_t>(lane)};
   return is_hit && hit.t > ray.t_min() && hit.t <= limit;
 }
@@ -56,8 +57,8 @@ template <class Block>
 }
 
 /// One ray against the triangles of a block: find() gives the lanes that may be hit, decide() whether one of them is,
-/// with t_min < t <= limit. Of the lanes found there is seldom more than one, so where vectors are short (kSixteenAtOnce
-/// false) the distance is computed for those alone.
+/// with t_min < t <= limit. Of the lanes found there is seldom more than one, so where vectors are short
+/// (kSixteenAtOnce false) the distance is computed for those alone.
 template <Intersector kind>
 class BlockTest;
 
@@ -109,8 +110,8 @@ class BlockTest<Intersector::watertight> {
       F xy[vectors];
       for (int i = 0; i < vectors; ++i) xy[i] = max(abs(x[i]), abs(y[i]));
       const F xy_size = max(corner(0, xy), max(corner(1, xy), corner(2, xy)));
-      const WatertightHit<F> hit = watertight_hit<F>(edges, corner(0, z), corner(1, z), corner(2, z), xy_size,
-                                                     F(sheared_.direction_z));
+      const WatertightHit<F> hit =
+          watertight_hit<F>(edges, corner(0, z), corner(1, z), corner(2, z), xy_size, F(sheared_.direction_z));
       const F t_min(ray_.t_min()), to(limit);
       out.unsure = found & (!hit.sure).bits();
       out.imprecise = found & (!(hit.precise | side_is_certain<any_hit>(hit, t_min, to))).bits();
@@ -218,8 +219,7 @@ class BlockTest {
     const auto at = [&](int k) { return Vec3<F>(corner(k, x), corner(k, y), corner(k, z)); };
     const MoellerTrumboreHit<F> hit = moeller_trumbore<F>(Vec3<F>(three(ray_.origin)), Vec3<F>(three(ray_.direction)),
                                                           at(0), at(1), at(2), smallest_determinant(kind));
-    const std::uint32_t found =
-        block.lanes & (hit.inside & (F(ray_.t_min()) < hit.t) & (hit.t <= F(limit))).bits();
+    const std::uint32_t found = block.lanes & (hit.inside & (F(ray_.t_min()) < hit.t) & (hit.t <= F(limit))).bits();
     if (found != 0) {
       hit.t.store(out.t);
       hit.u.store(out.u);

@@ -26,7 +26,7 @@ class BoxTest {
 
   SlabInterval<Float<kWidth>> operator()(const Node& node, Float<kWidth> limit) const {
     using F = Float<kWidth>;
-    const auto three = [](const float (&v)[4]) { return Vec3<F>(F(v[0]), F(v[1]), F(v[2])); };
+    const auto three = [](const float(&v)[4]) { return Vec3<F>(F(v[0]), F(v[1]), F(v[2])); };
     const SlabPlanes<F> planes{{plane(node, 0, 0), plane(node, 1, 0), plane(node, 2, 0)},
                                {plane(node, 0, 1), plane(node, 1, 1), plane(node, 2, 1)}};
     return slab_interval<F>({three(origin_), three(to_near_), three(to_far_)}, planes, F(t_min_), limit);

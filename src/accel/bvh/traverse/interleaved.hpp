@@ -34,8 +34,8 @@ inline TraversalRay ray_at(const RayBatch& rays, std::size_t i, float limit) {
 }
 
 /// Where an InterleavedRay keeps what is yet to be visited. Nearly all do with this much; it is small, so that those of
-/// many rays stay in the nearest cache and seldom share the lower bits of their addresses, on which a processor compares
-/// loads with earlier stores.
+/// many rays stay in the nearest cache and seldom share the lower bits of their addresses, on which a processor
+/// compares loads with earlier stores.
 struct ShallowStack {
   static constexpr int kSize = 32;
   alignas(64) float distances[kSize];
@@ -185,10 +185,10 @@ class InterleavedTraversal {
         for (int k = 0; k < 4; ++k) spheres[k][i] = sphere[k];
       }
       Wide t(0.0f);
-      const WideMask hit = hit_sphere(first_lanes(static_cast<std::size_t>(count)), load3(rays[0], rays[1], rays[2]),
-                                      load3(rays[4], rays[5], rays[6]),
-                                      Vec3<WideDouble>(load3(spheres[0], spheres[1], spheres[2])),
-                                      WideDouble(Wide::load(spheres[3])), Wide::load(rays[3]), Wide::load(rays[7]), t);
+      const WideMask hit =
+          hit_sphere(first_lanes(static_cast<std::size_t>(count)), load3(rays[0], rays[1], rays[2]),
+                     load3(rays[4], rays[5], rays[6]), Vec3<WideDouble>(load3(spheres[0], spheres[1], spheres[2])),
+                     WideDouble(Wide::load(spheres[3])), Wide::load(rays[3]), Wide::load(rays[7]), t);
       alignas(64) float distances[kLanes];
       t.store(distances);
       for (std::uint32_t left = hit.bits(); left != 0; left &= left - 1) {
@@ -218,7 +218,8 @@ class InterleavedTraversal {
   std::uint8_t* ends_[kKinds];
   std::uint8_t lists_[2][kKinds][kInterleaved];
   int ray_of_[kInterleaved];
-  // Of the blocks inside some of whose triangles' edges a ray passes: whose ray, which lanes, and what is known of them.
+  // Of the blocks inside some of whose triangles' edges a ray passes: whose ray, which lanes, and what is known of
+  // them.
   std::uint8_t met_[kInterleaved];
   std::uint32_t found_[kInterleaved];
   typename OneRay::Found inside_[kInterleaved];

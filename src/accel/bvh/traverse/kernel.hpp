@@ -6,8 +6,8 @@
 namespace raylab::bvh {
 
 /// A ray in the traversal. The largest component of its direction is neither so small nor so large that its reciprocal
-/// overflows or vanishes. Hits count with t_min < t <= limit: closed above, so that of hits at the same distance the one
-/// with the smallest id can be chosen, whatever the order in which they are found.
+/// overflows or vanishes. Hits count with t_min < t <= limit: closed above, so that of hits at the same distance the
+/// one with the smallest id can be chosen, whatever the order in which they are found.
 struct alignas(16) TraversalRay {
   float origin[4];     ///< x, y, z, and t_min
   float direction[4];  ///< x, y, z, and the limit

@@ -124,8 +124,10 @@ class Packet {
     constexpr bool shared = std::is_same_v<Block, SharedBlock>;
     WideVec3 vertices[shared ? kBlockSize : 3];
     const auto transform = [&](int i, int position) {
-      vertices[i] = to_ray_space(sheared_, WideVec3(Wide(block.position[0][position]), Wide(block.position[1][position]),
-                                                    Wide(block.position[2][position])) - origin_);
+      vertices[i] =
+          to_ray_space(sheared_, WideVec3(Wide(block.position[0][position]), Wide(block.position[1][position]),
+                                          Wide(block.position[2][position])) -
+                                     origin_);
     };
     // Without branches: whether some ray passes a triangle is a coin toss to the processor.
     const int count = __builtin_popcount(block.lanes);
@@ -204,8 +206,7 @@ class Packet {
     if (!any(active)) return;
     Wide t;
     const auto all = [&](int k) { return WideDouble(static_cast<double>(sphere[k])); };
-    const WideMask hit =
-        hit_sphere(active, origin_, direction_, {all(0), all(1), all(2)}, all(3), t_min_, best_t_, t);
+    const WideMask hit = hit_sphere(active, origin_, direction_, {all(0), all(1), all(2)}, all(3), t_min_, best_t_, t);
     if (!any(hit)) return;
     accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(slot));
   }

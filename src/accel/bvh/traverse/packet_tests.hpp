@@ -27,8 +27,8 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
   const Wide along = multiply_add(oc.x, direction.x, multiply_add(oc.y, direction.y, oc.z * direction.z));
   const Wide whole = distance2 * length2;
   const Wide reach = multiply_add(distance2, Wide(0x1p-18f), Wide(radius2 * (1.0f + 0x1p-18f)));
-  const WideMask passes = (multiply_add(length2, reach, Wide(0x1p-100f)) < multiply_add(-along, along, whole)) &
-                          (whole < Wide(kInfinity));
+  const WideMask passes =
+      (multiply_add(length2, reach, Wide(0x1p-100f)) < multiply_add(-along, along, whole)) & (whole < Wide(kInfinity));
   // Outside, and leaving.
   const WideMask leaves = (Wide(radius2 * (1.0f + 0x1p-16f)) < distance2) & (Wide(0x1p-100f) < along);
   return !(passes | leaves);
@@ -37,7 +37,8 @@ inline WideMask may_hit_sphere(const WideVec3& origin, const WideVec3& direction
 /// The nearest t with t_min < t <= limit at which rays hit spheres, in those of the lanes it returns. t_min is not
 /// negative. Divisions that are not wanted are left out.
 [[gnu::always_inline]] inline WideMask hit_sphere(WideMask lanes, const WideVec3& origin, const WideVec3& direction,
-                           const Vec3<WideDouble>& center, const WideDouble& radius, Wide t_min, Wide limit, Wide& t) {
+                                                  const Vec3<WideDouble>& center, const WideDouble& radius, Wide t_min,
+                                                  Wide limit, Wide& t) {
   using D = WideDouble;
   const SphereQuadratic<D> s(Vec3<D>(origin) - center, Vec3<D>(direction), radius);
   // What starts on the sphere and leaves it mostly ends here.

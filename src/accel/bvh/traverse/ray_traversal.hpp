@@ -57,7 +57,13 @@ class RayTraversal {
 
   /// `best` is a hit at the ray's limit, or has no slot and -1 for t.
   RayTraversal(const TraversalRay& ray, const TraversalHit& best, float* distances, Ref* refs)
-      : ray_(ray), box_test_(ray_), block_test_(ray_), best_(best), limit_(ray.limit()), distances_(distances), refs_(refs) {
+      : ray_(ray),
+        box_test_(ray_),
+        block_test_(ray_),
+        best_(best),
+        limit_(ray.limit()),
+        distances_(distances),
+        refs_(refs) {
     distances_[0] = -1.0f;
     refs_[0] = make_ref(RefKind::end, 0);
   }
