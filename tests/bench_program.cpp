@@ -97,7 +97,7 @@ TEST_CASE("raylab-bench embree measures our Embree backends beside bare loops ov
   for (const Row& row : results.rows) {
     INFO(row.dump());
     CHECK(row["rays_timed"] == 496);  // whole packets
-    CHECK(row["mrays_per_second_bare"].contains("16c"));
+    CHECK(row["mrays_per_second_bare"].get<double>() > 0.0);
     CHECK(row["batch_of_fastest_bare"].get<double>() > 0.0);
   }
 }
