@@ -18,8 +18,9 @@ struct MoellerTrumboreHit {
 
 /// Determinants not above `smallest_determinant` in size count as a miss: the book's has 1e-8, whatever the scale.
 template <class F>
-MoellerTrumboreHit<F> moeller_trumbore(const Vec3<F>& origin, const Vec3<F>& direction, const Vec3<F>& p0,
-                                       const Vec3<F>& p1, const Vec3<F>& p2, float smallest_determinant) {
+[[gnu::always_inline]] inline MoellerTrumboreHit<F> moeller_trumbore(const Vec3<F>& origin, const Vec3<F>& direction,
+                                                                     const Vec3<F>& p0, const Vec3<F>& p1,
+                                                                     const Vec3<F>& p2, float smallest_determinant) {
   constexpr bool scalar = std::is_same_v<F, float>;  // a single ray leaves early, as in the paper
   const Vec3<F> e1 = p1 - p0, e2 = p2 - p0;
   const Vec3<F> p = cross(direction, e2);

@@ -32,6 +32,12 @@ inline int push_ordered(const NodeInterval& interval, const Node& node, int octa
 #endif
 }
 
+/// The first lane of an order, four bits each, whose bit is set in a mask that is not 0.
+inline std::uint32_t first_in_order(std::uint32_t order, std::uint32_t mask) {
+  while ((mask >> (order & 7u) & 1u) == 0) order >>= 4;
+  return order & 7u;
+}
+
 /// The same without an order and distances.
 inline int push_any(const NodeInterval& interval, const Node& node, Ref* refs) {
   const Mask<8> hit = interval.near <= interval.far;

@@ -135,6 +135,24 @@ class RayTraversal {
     take({t, 0.0f, 0.0f, slot}, tree, best_, limit_);
   }
 
+  /// From a node to what is next, which is not read back from the stack: a ray alone would wait for it.
+  [[gnu::always_inline]] void visit_node_and_go_on(const TreeView& tree) {
+    const auto& node = at<Node>(tree, ref_);
+    const NodeInterval interval = box_test_(node, Float<kWidth>(limit_));
+    const std::uint32_t hit = (interval.near <= interval.far).bits();
+    if (hit == 0) return go_on(tree);
+    Ref next;
+    if constexpr (any_hit) {
+      top_ += push_any(interval, node, refs_ + top_ + 1) - 1;
+      next = node.child[31 - __builtin_clz(hit)];
+    } else {
+      top_ += push_ordered(interval, node, box_test_.octant(), distances_ + top_ + 1, refs_ + top_ + 1) - 1;
+      next = node.child[first_in_order(node.order[box_test_.octant()], hit)];
+    }
+    ref_ = next;
+    prefetch(tree, refs_[top_]);
+  }
+
   /// To what is next.
   [[gnu::always_inline]] void go_on(const TreeView& tree) {
     if constexpr (!any_hit) {

@@ -14,8 +14,8 @@ template <Intersector kind, bool any_hit>
   for (;;) {
     switch (traversal.next()) {
       case RefKind::node:
-        traversal.visit_node(tree);
-        break;
+        traversal.visit_node_and_go_on(tree);
+        continue;
       case RefKind::triangles:
         traversal.template visit_block<SharedBlock>(tree, inside);
         break;
