@@ -42,9 +42,14 @@ struct ShallowStack {
   alignas(64) Ref refs[kSize];
 };
 
+/// Made before the traversal that refers to it.
+struct OwnedRay {
+  TraversalRay owned_ray;
+};
+
 /// A ray that takes turns with others.
 template <bool any_hit>
-class alignas(64) InterleavedRay : public RayTraversal<Intersector::watertight, any_hit> {
+class alignas(64) InterleavedRay : OwnedRay, public RayTraversal<Intersector::watertight, any_hit> {
   using Base = RayTraversal<Intersector::watertight, any_hit>;
   using Base::distances_, Base::refs_, Base::top_;
 
@@ -52,7 +57,7 @@ class alignas(64) InterleavedRay : public RayTraversal<Intersector::watertight, 
   /// What waits is that for ray i.
   InterleavedRay(const TreeView& tree, const TraversalRay& ray, const TraversalHit& best, const Waiting& waiting, int i,
                  ShallowStack& stack, DeepStack& deep)
-      : Base(ray, best, stack.distances, stack.refs), deep_(deep) {
+      : OwnedRay{ray}, Base(owned_ray, best, stack.distances, stack.refs), deep_(deep) {
     for (int k = waiting.count[i]; k-- > 0;) this->add(waiting.of[i].refs[k], waiting.of[i].distances[k]);
     this->go_on(tree);
   }

@@ -55,11 +55,11 @@ class RayTraversal {
  public:
   using Found = typename BlockTest<kind>::Found;
 
-  /// `best` is a hit at the ray's limit, or has no slot and -1 for t.
+  /// The ray must outlive it. `best` is a hit at its limit, or has no slot and -1 for t.
   RayTraversal(const TraversalRay& ray, const TraversalHit& best, float* distances, Ref* refs)
       : ray_(ray),
-        box_test_(ray_),
-        block_test_(ray_),
+        box_test_(ray),
+        block_test_(ray),
         best_(best),
         limit_(ray.limit()),
         distances_(distances),
@@ -178,7 +178,7 @@ class RayTraversal {
     }
   }
 
-  TraversalRay ray_;
+  const TraversalRay& ray_;  ///< not copied: a wider load of what was just written would wait for it
   BoxTest box_test_;
   BlockTest<kind> block_test_;
   TraversalHit best_;
