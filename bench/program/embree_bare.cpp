@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "accel/embree_api.hpp"
+#include "accel/embree/api.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/measure/batch_queries.hpp"
 #include "raylab/measure/path_rays.hpp"

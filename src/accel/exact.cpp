@@ -136,7 +136,7 @@ class ExactBvh final : public Accelerator {
   /// near to far, until one returns true. Whether one did.
   template <class Found>
   bool visit(const Ray& ray, const Found& found) const {
-    if (tree_.nodes.empty()) return false;
+    if (tree_.nodes.empty() || !is_finite(ray.origin) || !is_finite(ray.direction)) return false;
     const BoxTest box(ray);
     double t_max = ray.t_max;
     struct Entry {

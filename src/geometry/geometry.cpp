@@ -32,7 +32,7 @@ std::size_t Geometry::triangle_count() const {
 
 Bounds Geometry::bounds() const {
   Bounds all;
-  for (const PrimitiveId& id : valid_primitives(*this)) all.extend(primitive_bounds(*this, id));
+  for_each_valid_primitive(*this, [&](const PrimitiveId& id) { all.extend(primitive_bounds(*this, id)); });
   return all;
 }
 
@@ -58,15 +58,7 @@ bool is_valid_sphere(const Sphere& sphere) {
 std::vector<PrimitiveId> valid_primitives(const Geometry& geometry) {
   std::vector<PrimitiveId> valid;
   valid.reserve(geometry.primitive_count());
-  for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
-    const TriangleMesh& mesh = geometry.meshes[m];
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (is_valid_triangle(mesh, i)) valid.push_back({m, i});
-    }
-  }
-  for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
-    if (is_valid_sphere(geometry.spheres[i])) valid.push_back({geometry.sphere_geometry(), i});
-  }
+  for_each_valid_primitive(geometry, [&](const PrimitiveId& id) { valid.push_back(id); });
   return valid;
 }
 

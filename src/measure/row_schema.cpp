@@ -87,11 +87,12 @@ std::span<const RowField> row_fields() {
 std::string row_fault(const Row& row) {
   if (!row.is_object()) return "expected an object";
   if (!row.contains("suite")) return "suite: expected a string";
-  for (const auto& [name, value] : row.items()) {
+  for (const auto& item : row.items()) {
+    const std::string& name = item.key();
     const auto fields = row_fields();
     const auto field = std::find_if(fields.begin(), fields.end(), [&](const RowField& f) { return f.name == name; });
     if (field == fields.end()) return name + ": no field of the schema";
-    if (!conforms(value, *field)) return name + ": expected " + expected_text(*field);
+    if (!conforms(item.value(), *field)) return name + ": expected " + expected_text(*field);
     const auto& suites = field->suites;
     const auto named = [&](const std::string& suite) { return row["suite"] == suite; };
     if (!suites.empty() && std::none_of(suites.begin(), suites.end(), named))

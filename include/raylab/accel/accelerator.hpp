@@ -67,9 +67,9 @@ struct HitBatch {
 };
 
 /// Finds what a ray hits. Constructed means built. Queries may run on many threads at once and allocate
-/// nothing. A ray has a finite origin, any finite non-zero direction, and 0 <= t_min; its interval may be empty.
-/// Invalid primitives behave as if absent. Threads that query have FlushDenormals set, as in parallel_for:
-/// denormals count as zero, in the ray as in t.
+/// nothing. A ray has a finite origin, any finite non-zero direction, and 0 <= t_min; its interval may be empty. One
+/// with a NaN or an infinity, but for t_max, or without direction hits nothing. Invalid primitives behave as if
+/// absent. Threads that query have FlushDenormals set, as in parallel_for: denormals count as zero, in ray and t.
 /// The geometry given at construction is viewed, not copied: it must outlive the accelerator, unchanged.
 class Accelerator {
  public:

@@ -92,6 +92,20 @@ inline constexpr float kLargestCoordinate = 1.844e18f;
 bool is_valid_triangle(const TriangleMesh& mesh, std::uint32_t triangle);
 bool is_valid_sphere(const Sphere& sphere);
 
+/// Calls visit(PrimitiveId) for the valid primitives in order of their ids.
+template <class Visit>
+void for_each_valid_primitive(const Geometry& geometry, const Visit& visit) {
+  for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
+    const TriangleMesh& mesh = geometry.meshes[m];
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (is_valid_triangle(mesh, i)) visit(PrimitiveId{m, i});
+    }
+  }
+  for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
+    if (is_valid_sphere(geometry.spheres[i])) visit(PrimitiveId{geometry.sphere_geometry(), i});
+  }
+}
+
 /// The valid primitives in order of their ids; primitive_count() less their number is how many are invalid.
 std::vector<PrimitiveId> valid_primitives(const Geometry& geometry);
 

@@ -1,30 +1,23 @@
 // `embree` and `embree-robust`: Intel Embree 3 or 4, the same source for both.
-// Triangles are Embree's own. Spheres are ours, by callback: Embree's have no stable roots and miss the ground
-// sphere of radius 1e6 by 13% of the distance.
+// Triangles are Embree's own.
 #include <algorithm>
 #include <atomic>
-#include <bit>
-#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <optional>
 
-#include "backends.hpp"
-#include "embree_api.hpp"
-#include "geometry/primitive_test.hpp"
+#include "accel/backends.hpp"
+#include "api.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/timing.hpp"
+#include "rays.hpp"
+#include "spheres.hpp"
 
 namespace raylab {
 
 namespace {
-
-/// Largest and smallest length (of the largest component) that a direction may have without being rescaled:
-/// Embree takes components below 1e-18 for 1e-18 in its box tests.
-constexpr float kLargestDirection = 0x1p30f;
-constexpr float kSmallestDirection = 0x1p-30f;
 
 // How batches are traced; Mrays/s of 131,072 rays in bare loops over Embree 3.13.5 on an AMD EPYC with AVX-512, fast
 // mode / robust mode, c with the coherent flag:
@@ -37,10 +30,10 @@ constexpr float kSmallestDirection = 0x1p-30f;
 //   bunny, shadow         20/  13      36/  26      35/  27      49/  32      47/  33
 //   cornell, primary      19/  14      30/  18      49/  36      33/  19      59/  45
 //   cornell, shadow       20/  14      32/  27      12/ 9.3      49/  35      13/ 9.4
-// So single rays are never the fastest, nor are streams, which cut the same packets and gain a little only where
-// all else is slow. Packets are as wide as can be, but for closest hits in large scenes. The flag is for closest hits
-// of packets whose rays start and run alike, and never for occlusion.
-/// Primitives from which on closest hits are asked for in packets of 8.
+// So single rays are never the fastest. Packets are as wide as can be, but for closest hits in large scenes. The flag
+// is for closest hits of packets whose rays start and run alike, and never for occlusion. Streams, which Embree 4 has
+// no more, sort their rays by octant: occlusion in large scenes gains 8 to 19% by it, all else nothing.
+/// Primitives from which on closest hits are asked for in packets of 8, and occlusion in streams.
 constexpr std::size_t kLargeScene = std::size_t{1} << 18;
 /// How far the directions of coherent rays may lie from the first one, in its largest component; and less where there
 /// are so many primitives that such a packet would see more of them side by side than the second says.
@@ -48,120 +41,6 @@ constexpr float kCoherentSpread = 0.1f;
 constexpr float kCoherentPrimitives = 16.0f;
 /// How far apart they may start, of the largest extent of the scene.
 constexpr float kCoherentReach = 0.1f;
-
-// Floats that are not negative are ordered as their bits are. As integers they need no care for NaN, and compilers
-// make vectors of the comparisons.
-constexpr std::int32_t bits_of(float x) { return std::bit_cast<std::int32_t>(x); }
-
-/// Whether Embree can take the ray as it is, its interval made one float narrower at either end: see to_embree.
-/// No lane branches here, so that a packet is looked at as a whole.
-inline bool is_plain(float dir_x, float dir_y, float dir_z, float t_min, float t_max) {
-  const std::int32_t x = bits_of(std::abs(dir_x));
-  const std::int32_t y = bits_of(std::abs(dir_y));
-  const std::int32_t z = bits_of(std::abs(dir_z));
-  constexpr std::int32_t least = bits_of(kSmallestDirection);
-  constexpr std::int32_t most = bits_of(kLargestDirection);
-  return bool((x <= most) & (y <= most) & (z <= most) & ((x >= least) | (y >= least) | (z >= least)) &
-              (bits_of(t_min) >= 0) & (bits_of(t_min) < bits_of(kInfinity)) & (bits_of(t_max) > 0) &
-              (bits_of(t_max) <= bits_of(kInfinity)));
-}
-
-/// The ends of the interval of such a ray, as Embree takes them: off zero, since a denormal t_min counts as zero.
-/// Of other rays, which pass here in packets, it is any float.
-inline float plain_near(float t_min) {
-  const auto next = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(t_min) + 1u);
-  return std::bit_cast<float>(std::max(next, bits_of(FLT_MIN)));
-}
-inline float plain_far(float t_max) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(t_max) - 1u); }
-
-/// The ray as Embree takes it, and the power of two its direction was multiplied by.
-/// Embree's modes differ at the ends of the interval: robust includes t_min, fast excludes it, both include
-/// t_max. So the ends are moved inward by one float.
-float to_embree(const Ray& ray, RTCRay& out) {
-  vec3 direction = ray.direction;
-  float scale = 1.0f;
-  float near, far;
-  if (is_plain(direction.x, direction.y, direction.z, ray.t_min, ray.t_max)) [[likely]] {
-    near = plain_near(ray.t_min);
-    far = plain_far(ray.t_max);
-  } else {
-    const float largest = max_component(glm::abs(direction));
-    if (largest > 0.0f && !(largest <= kLargestDirection && largest >= kSmallestDirection)) {
-      scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
-    }
-    direction *= scale;
-    near = std::max(next_float_up(ray.t_min) / scale, FLT_MIN);
-    far = next_float_down(ray.t_max) / scale;
-  }
-  // Written by fours, as Embree reads them: a load cannot be served from several stores under way.
-  using Four = float __attribute__((vector_size(16)));
-  const float all_bits = std::bit_cast<float>(~0u);  // the mask, whose default differs between Embree 3 and 4
-  const Four rows[3] = {{ray.origin.x, ray.origin.y, ray.origin.z, near},
-                        {direction.x, direction.y, direction.z, 0.0f},
-                        {far, all_bits, 0.0f, 0.0f}};
-  static_assert(offsetof(RTCRay, flags) + sizeof(out.flags) == sizeof(rows));
-  std::memcpy(&out, rows, sizeof(rows));
-  return scale;
-}
-
-/// The same for lane i of a packet.
-template <class Packet>
-float to_embree(const Ray& ray, Packet& out, int i) {
-  RTCRay one;
-  const float scale = to_embree(ray, one);
-  out.org_x[i] = one.org_x;
-  out.org_y[i] = one.org_y;
-  out.org_z[i] = one.org_z;
-  out.dir_x[i] = one.dir_x;
-  out.dir_y[i] = one.dir_y;
-  out.dir_z[i] = one.dir_z;
-  out.tnear[i] = one.tnear;
-  out.tfar[i] = one.tfar;
-  return scale;
-}
-
-bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
-  const Ray own{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}};
-  const Sphere& sphere = static_cast<const Geometry*>(user)->spheres[primitive];
-  // Embree's interval is closed, ours is open.
-  const auto hit =
-      PrimitiveTest<Intersector::fast>(own).sphere(sphere, next_float_down(ray.tnear), next_float_up(ray.tfar));
-  if (hit) t = *hit;
-  return hit.has_value();
-}
-
-void sphere_bounds_callback(const RTCBoundsFunctionArguments* args) {
-  const Sphere& sphere = static_cast<const Geometry*>(args->geometryUserPtr)->spheres[args->primID];
-  const Bounds b = is_valid_sphere(sphere) ? sphere_bounds(sphere) : Bounds();  // Embree drops empty ones
-  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0.0f, b.upper.x, b.upper.y, b.upper.z, 0.0f};
-}
-
-void sphere_intersect_callback(const RTCIntersectFunctionNArguments* args) {
-  RTCRayN* const rays = RTCRayHitN_RayN(args->rayhit, args->N);
-  RTCHitN* const hits = RTCRayHitN_HitN(args->rayhit, args->N);
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (args->valid[i] == 0) continue;
-    float& t = RTCRayN_tfar(rays, args->N, i);
-    const bool hit = hit_sphere(args->geometryUserPtr, args->primID, rtcGetRayFromRayN(rays, args->N, i), t);
-    if (hit) {
-      RTCHitN_u(hits, args->N, i) = 0.0f;
-      RTCHitN_v(hits, args->N, i) = 0.0f;
-      RTCHitN_geomID(hits, args->N, i) = args->geomID;
-      RTCHitN_primID(hits, args->N, i) = args->primID;
-    }
-    args->valid[i] = hit ? -1 : 0;
-  }
-}
-
-void sphere_occluded_callback(const RTCOccludedFunctionNArguments* args) {
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (args->valid[i] == 0) continue;
-    float t;
-    const bool hit = hit_sphere(args->geometryUserPtr, args->primID, rtcGetRayFromRayN(args->ray, args->N, i), t);
-    if (hit) RTCRayN_tfar(args->ray, args->N, i) = -kInfinity;
-    args->valid[i] = hit ? -1 : 0;
-  }
-}
 
 bool count_bytes(void* total, ssize_t bytes, bool) {
   static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
@@ -199,7 +78,7 @@ RTCBuildQuality embree_quality(BuildQuality quality) {
 class Embree final : public Accelerator {
  public:
   Embree(const Geometry& geometry, const AcceleratorOptions& options, bool robust)
-      : quality_(embree_quality(options.quality.value_or(BuildQuality::balanced))) {
+      : geometry_(geometry), quality_(embree_quality(options.quality.value_or(BuildQuality::balanced))) {
     const Stopwatch watch;
     // A device that is told of threads would keep all of TBB to that number as long as it lives.
     const ThreadLimit limit(options.threads);
@@ -222,9 +101,9 @@ class Embree final : public Accelerator {
     check_device();
     RTCBounds box;
     rtcGetSceneBounds(scene_.get(), &box);
-    coherent_reach_ =
+    coherence_.reach =
         kCoherentReach * std::max({box.upper_x - box.lower_x, box.upper_y - box.lower_y, box.upper_z - box.lower_z});
-    coherent_spread_ =
+    coherence_.spread =
         std::min(kCoherentSpread, kCoherentPrimitives / std::sqrt(static_cast<float>(report_.primitives)));
     closest_packet_size_ = report_.primitives < kLargeScene ? packet_size_ : std::min(packet_size_, 8);
 
@@ -239,7 +118,7 @@ class Embree final : public Accelerator {
     const float scale = to_embree(ray, query.ray);
     const float tnear = query.ray.tnear;
     const float tfar = query.ray.tfar;
-    if (!(tnear <= tfar)) return std::nullopt;
+    if (!(tnear <= tfar)) return scale == 0.0f ? test_all(ray) : std::nullopt;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree_query(scene_.get(), query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -248,8 +127,8 @@ class Embree final : public Accelerator {
 
   bool occluded(const Ray& ray) const noexcept override {
     RTCRay query;
-    to_embree(ray, query);
-    if (!(query.tnear <= query.tfar)) return false;
+    const float scale = to_embree(ray, query);
+    if (!(query.tnear <= query.tfar)) return scale == 0.0f && test_all(ray);
     embree_query(scene_.get(), query);
     return query.tfar < 0.0f;
   }
@@ -261,6 +140,9 @@ class Embree final : public Accelerator {
   }
 
   void occluded_batch(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept override {
+#if RAYLAB_EMBREE_MAJOR < 4
+    if (report_.primitives >= kLargeScene) return occluded_streams(rays, occluded_rays);
+#endif
     if (packet_size_ == 16) return occluded_by_16(rays, occluded_rays);
     if (packet_size_ == 8) return occluded_by_8(rays, occluded_rays);
     occluded_packets<4>(rays, occluded_rays);
@@ -271,6 +153,22 @@ class Embree final : public Accelerator {
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
+  /// The answer to a ray that Embree cannot take: every primitive is tested if the origin is too far off, and nothing
+  /// is hit by a ray with a component that is no number or with no direction.
+  std::optional<Hit> test_all(const Ray& ray) const {
+    if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == vec3(0.0f)) return std::nullopt;
+    const PrimitiveTest<Intersector::watertight> test(ray);
+    std::optional<Hit> closest;
+    float t_max = ray.t_max;
+    for_each_valid_primitive(geometry_, [&](const PrimitiveId& id) {
+      if (const auto hit = test(geometry_, id, ray.t_min, t_max)) {
+        closest = hit;
+        t_max = hit->t;
+      }
+    });
+    return closest;
+  }
+
   std::optional<Hit> to_hit(float t, float tnear, float tfar, float scale, float u, float v, unsigned geometry,
                             unsigned primitive) const {
     if (geometry == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -285,82 +183,6 @@ class Embree final : public Accelerator {
     return original.empty() ? primitive : original[primitive];
   }
 
-  /// What a packet of Embree's was filled with.
-  template <int n>
-  struct Packet {
-    alignas(64) int valid[n];
-    float far[n];    ///< where the rays ended before they were traced
-    float scale[n];  ///< see to_embree; unset in whole packets of plain rays
-    bool whole;      ///< all lanes hold a ray, and all rays are plain
-    bool coherent;
-  };
-
-  /// What is the same in all packets, which Embree leaves as it is.
-  template <class Rays>
-  static void prepare(Rays& out) {
-    std::memset(&out, 0, sizeof(out));
-    std::memset(out.mask, 0xff, sizeof(out.mask));
-  }
-
-  /// Fills a packet with rays [first, first + count) of the batch.
-  template <int n, class Rays>
-  void fill(const RayBatch& rays, std::size_t first, int count, Rays& out, Packet<n>& packet) const {
-    packet.whole = count == n && fill_whole(rays, first, out, packet);
-    if (packet.whole) return;
-    packet.coherent = false;
-    for (int i = 0; i < n; ++i) {
-      packet.valid[i] = 0;
-      if (i >= count) continue;
-      packet.scale[i] = to_embree(rays.ray(first + static_cast<std::size_t>(i)), out, i);
-      packet.valid[i] = out.tnear[i] <= out.tfar[i] ? -1 : 0;
-      packet.far[i] = out.tfar[i];
-      if (packet.valid[i] == 0) out.tfar[i] = 0.0f;  // a negative end would read as occluded
-    }
-  }
-
-  /// The same for a packet without empty lanes. Says whether all rays are plain; otherwise it leaves no packet.
-  template <int n, class Rays>
-  bool fill_whole(const RayBatch& rays, std::size_t first, Rays& out, Packet<n>& packet) const {
-    const float* const org_x = rays.origin[0] + first;
-    const float* const org_y = rays.origin[1] + first;
-    const float* const org_z = rays.origin[2] + first;
-    const float* const dir_x = rays.direction[0] + first;
-    const float* const dir_y = rays.direction[1] + first;
-    const float* const dir_z = rays.direction[2] + first;
-    const float* const t_min = rays.t_min + first;
-    const float* const t_max = rays.t_max + first;
-    const Ray one = rays.ray(first);
-    const float reach = coherent_reach_;
-    const float spread = coherent_spread_ * max_component(glm::abs(one.direction));
-    int plain = -1;
-    int apart = 0;
-    // One loop over all arrays becomes one pass of vector instructions; several would be unrolled before.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC ivdep
-#endif
-    for (int i = 0; i < n; ++i) {
-      const float x = dir_x[i], y = dir_y[i], z = dir_z[i];
-      const float near = plain_near(t_min[i]);
-      const float far = plain_far(t_max[i]);
-      plain &= -int(is_plain(x, y, z, t_min[i], t_max[i]));
-      apart |= -int((std::abs(x - one.direction.x) > spread) | (std::abs(y - one.direction.y) > spread) |
-                    (std::abs(z - one.direction.z) > spread) | (std::abs(org_x[i] - one.origin.x) > reach) |
-                    (std::abs(org_y[i] - one.origin.y) > reach) | (std::abs(org_z[i] - one.origin.z) > reach));
-      out.org_x[i] = org_x[i];
-      out.org_y[i] = org_y[i];
-      out.org_z[i] = org_z[i];
-      out.dir_x[i] = x;
-      out.dir_y[i] = y;
-      out.dir_z[i] = z;
-      out.tnear[i] = near;
-      out.tfar[i] = far;
-      packet.far[i] = far;
-      packet.valid[i] = -int(bits_of(near) <= bits_of(far));
-    }
-    packet.coherent = apart == 0;
-    return plain != 0;
-  }
-
   template <int n>
   void intersect_packets(const RayBatch& rays, const HitBatch& hits) const noexcept {
     typename PacketTypes<n>::RayHit query;
@@ -368,7 +190,7 @@ class Embree final : public Accelerator {
     prepare(query.ray);
     for (std::size_t first = 0; first < rays.count; first += n) {
       const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
-      fill(rays, first, count, query.ray, packet);
+      fill(rays, first, count, coherence_, query.ray, packet);
       std::memset(query.hit.geomID, 0xff, sizeof(query.hit.geomID));
       embree_query(packet.valid, scene_.get(), query, packet.coherent);
       if (packet.whole && !renumbered_) {
@@ -386,6 +208,10 @@ class Embree final : public Accelerator {
         continue;
       }
       for (int i = 0; i < count; ++i) {
+        if (!packet.whole && packet.scale[i] == 0.0f) {
+          hits.set(first + static_cast<std::size_t>(i), test_all(rays.ray(first + static_cast<std::size_t>(i))));
+          continue;
+        }
         hits.set(first + static_cast<std::size_t>(i),
                  to_hit(query.ray.tfar[i], query.ray.tnear[i], packet.far[i], packet.whole ? 1.0f : packet.scale[i],
                         query.hit.u[i], query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
@@ -400,10 +226,15 @@ class Embree final : public Accelerator {
     prepare(query);
     for (std::size_t first = 0; first < rays.count; first += n) {
       const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
-      fill(rays, first, count, query, packet);
+      fill(rays, first, count, coherence_, query, packet);
       embree_query(packet.valid, scene_.get(), query, false);
       std::uint8_t found[n];
       for (int i = 0; i < n; ++i) found[i] = query.tfar[i] < 0.0f;
+      if (!packet.whole) {
+        for (int i = 0; i < count; ++i) {
+          if (packet.scale[i] == 0.0f) found[i] = test_all(rays.ray(first + static_cast<std::size_t>(i))).has_value();
+        }
+      }
       if (count == n) {
         std::memcpy(occluded_rays + first, found, n);
       } else {
@@ -411,6 +242,27 @@ class Embree final : public Accelerator {
       }
     }
   }
+
+#if RAYLAB_EMBREE_MAJOR < 4
+  /// The batch's own arrays go to Embree, but for the ends of the intervals. A stream with a ray that is not plain is
+  /// cut into packets.
+  void occluded_streams(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept {
+    Stream stream;
+    for (std::size_t first = 0; first < rays.count; first += Stream::kMost) {
+      RayBatch part{std::min(Stream::kMost, rays.count - first), {}, {}, rays.t_min + first, rays.t_max + first};
+      for (int axis = 0; axis < 3; ++axis) {
+        part.origin[axis] = rays.origin[axis] + first;
+        part.direction[axis] = rays.direction[axis] + first;
+      }
+      if (!stream.fill(part)) {
+        occluded_packets<4>(part, occluded_rays + first);
+        continue;
+      }
+      stream.query_occluded(scene_.get(), part);
+      for (std::size_t i = 0; i < part.count; ++i) occluded_rays[first + i] = stream.far[i] < 0.0f;
+    }
+  }
+#endif
 
   // Where Embree traces packets of 16 natively the processor has AVX-512, and AVX for those of 8: they are filled
   // by the same instructions, each array at once. Embree could not read it from several stores under way.
@@ -493,11 +345,11 @@ class Embree final : public Accelerator {
     return buffer;
   }
 
+  const Geometry& geometry_;
   RTCBuildQuality quality_;
   int packet_size_ = 4;  ///< the most that Embree traces natively
   int closest_packet_size_ = 4;
-  float coherent_spread_ = 0.0f;
-  float coherent_reach_ = 0.0f;
+  Coherence coherence_;
   std::atomic<std::ptrdiff_t> bytes_{0};  // outlives the device, which counts into it
   Device device_;
   EmbreeScene scene_;
