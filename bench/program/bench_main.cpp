@@ -47,12 +47,19 @@ void add_ray_counts(CLI::App& command, RaysOptions& options) {
       ->capture_default_str();
 }
 
+template <class Options>
+void add_verdicts(CLI::App& command, Options& options, const std::string& what) {
+  command.add_option("--fail-on", options.fail_on, what)->delimiter(',');
+  command.add_option("--junit", options.junit, "File for what passed and what failed, in the XML of JUnit");
+}
+
 CLI::App* add_rays(CLI::App& app, RaysOptions& options) {
   CLI::App* command = app.add_subcommand("rays", "Speed and accuracy of single rays and batches, one thread");
   command->add_option("scene", options.scenes, "Scene files")->required();
   add_common(*command, options);
   add_choice(*command, options, "(default: all but exact)");
   add_ray_counts(*command, options);
+  add_verdicts(*command, options, "wrong: exit with 1 if an answer is wrong, single or in a batch");
   return command;
 }
 
@@ -209,10 +216,34 @@ CLI::App* add_report(CLI::App& app, ReportOptions& options) {
 }
 
 CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
-  CLI::App* command = app.add_subcommand("compare", "What changed between two folders of results, beyond their noise");
-  command->add_option("old", options.before, "Folder of the old results")->required();
-  command->add_option("new", options.after, "Folder of the new results")->required();
+  CLI::App* command = app.add_subcommand(
+      "compare", "What changed between two folders of results, or from one build to another, beyond their noise");
+  CLI::Option* old_folder = command->add_option("old", options.before, "Folder of the old results");
+  CLI::Option* new_folder = command->add_option("new", options.after, "Folder of the new results");
+  old_folder->needs(new_folder);
   command->add_flag("--any-machine", options.any_machine, "Even if they are of two machines");
+  add_verdicts(
+      *command, options,
+      "Comma separated: slower=PERCENT%, wrong; exit with 1 if a figure is worse by that and beyond its noise");
+  CLI::Option* builds =
+      command
+          ->add_option("--build", options.builds,
+                       "Given twice, old and new: a folder with raylab-render, or the program; both render in turns, "
+                       "and their processor seconds are compared")
+          ->expected(1)
+          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+          ->excludes(old_folder);
+  command->add_option("--scene", options.scenes, "Scene file that the builds render; repeatable")
+      ->allow_extra_args(false)
+      ->needs(builds);
+  command->add_option("--width", options.width, "Picture width in pixels")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str()
+      ->needs(builds);
+  command->add_option("--seconds", options.seconds, "How long builds are compared, at least")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(builds);
   return command;
 }
 

@@ -20,6 +20,8 @@ struct CommonOptions {
 struct RaysOptions : CommonOptions {
   std::size_t rays = 1 << 17;
   std::size_t checked = 20000;
+  std::vector<std::string> fail_on;  ///< see parse_fail_on; of the suite rays alone, as is the next
+  std::string junit;                 ///< empty, or the file for the verdicts
 };
 
 struct RenderSuiteOptions : CommonOptions {
@@ -71,11 +73,18 @@ struct ReportOptions {
 };
 
 struct CompareOptions {
-  std::string before, after;
+  std::string before, after;  ///< folders of results
   bool any_machine = false;
+  std::vector<std::string> fail_on;  ///< see parse_fail_on
+  std::string junit;                 ///< empty, or the file for the verdicts
+  std::vector<std::string> builds;   ///< instead of folders: the old build and the new one
+  std::vector<std::string> scenes;   ///< what the builds render
+  int width = 200;
+  double seconds = 60.0;
 };
 
 int compare(const CompareOptions& options);
+int compare_builds(const CompareOptions& options);
 int rays(const RaysOptions& options);
 int embree(const RaysOptions& options);
 int ladder(const RaysOptions& options);

@@ -1,5 +1,8 @@
 // raylab-bench rays: speed and accuracy of single rays.
+#include "hit_accuracy.hpp"
 #include "ray_measurement.hpp"
+#include "raylab/core/error.hpp"
+#include "verdicts.hpp"
 
 namespace raylab::bench {
 
@@ -26,6 +29,8 @@ std::string line_of(const Row& row) {
 }  // namespace
 
 int rays(const RaysOptions& options) {
+  const FailOn fail_on = parse_fail_on(options.fail_on);
+  if (fail_on.slower) throw Error(ErrorKind::usage, "--fail-on", "slower: than what? `compare` judges speed");
   const std::vector<Variant> all = variants(options);
   const auto build_all = [&](const Geometry& geometry, Suite& suite) {
     std::vector<Built> built;
@@ -35,7 +40,18 @@ int rays(const RaysOptions& options) {
     }
     return built;
   };
-  return run_ray_suite("rays", options, build_all, [](std::size_t, Row& row) { return line_of(row); });
+  std::vector<Verdict> verdicts;
+  const auto describe = [&](std::size_t, Row& row) {
+    const bool wrong = row["wrong"] > 0 || row["wrong_batch"] > 0;
+    verdicts.push_back(
+        {row["scene"].get<std::string>() + " " + row["rays"].get<std::string>() + " " + variant_name(row),
+         fail_on.wrong && wrong ? "wrong answers: " + accuracy_text(row) +
+                                      format("; %zu wrong in batches", row["wrong_batch"].get<std::size_t>())
+                                : ""});
+    return line_of(row);
+  };
+  const int exit_code = run_ray_suite("rays", options, build_all, describe);
+  return exit_code != 0 ? exit_code : conclude("rays", verdicts, options.junit);
 }
 
 }  // namespace raylab::bench

@@ -40,7 +40,8 @@ Row run_render_process(const std::string& program, std::vector<std::string> argu
   arguments.insert(arguments.begin(), program);
   arguments.insert(arguments.end(), {"-o", picture.string(), "--stats", stats.string()});
   const Stopwatch watch;
-  const int exit_code = run_program(arguments, true);
+  double cpu_seconds = 0.0;
+  const int exit_code = run_program(arguments, true, &cpu_seconds);
   const double seconds = watch.seconds();
   if (exit_code == kInterrupted) throw Interrupted{};
   if (exit_code != 0) {
@@ -52,6 +53,7 @@ Row run_render_process(const std::string& program, std::vector<std::string> argu
   std::ifstream stream(stats);
   Row run = Row::parse(stream);
   run["process_seconds"] = seconds;
+  run["process_cpu_seconds"] = cpu_seconds;
   return run;
 }
 

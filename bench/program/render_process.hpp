@@ -18,7 +18,8 @@ std::vector<std::string> render_arguments(const std::string& scene_file, const V
                                           const ProcessOptions& options);
 
 /// Renders once to `picture`. Returns what raylab-render --stats tells of it, and `process_seconds`, the
-/// wall-clock seconds from the process's start to its end. Throws Error (failure) when it fails.
+/// wall-clock seconds from the process's start to its end, and `process_cpu_seconds` of all its threads. Throws Error
+/// (failure) when it fails.
 Row run_render_process(const std::string& program, std::vector<std::string> arguments,
                        const std::filesystem::path& picture);
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +10,7 @@
 
 namespace raylab::bench {
 
-int run_program(const std::vector<std::string>& command, bool quiet) {
+int run_program(const std::vector<std::string>& command, bool quiet, double* cpu_seconds) {
   constexpr int kNotStarted = 127;
   std::vector<char*> argv;
   for (const std::string& argument : command) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -22,8 +23,15 @@ int run_program(const std::vector<std::string>& command, bool quiet) {
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return kNotStarted;
   int status = 0;
-  while (waitpid(process, &status, 0) < 0) {
+  rusage usage;
+  while (wait4(process, &status, 0, &usage) < 0) {
     if (errno != EINTR) return kNotStarted;
+  }
+  if (cpu_seconds != nullptr) {
+    const auto seconds = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    *cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
