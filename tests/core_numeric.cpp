@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "catch.hpp"
+#include "core/angle.hpp"
 #include "glm_formulas.hpp"
 #include "raylab/core/numeric.hpp"
 
@@ -110,4 +111,24 @@ TEST_CASE("the arc tangent of two numbers is that of the library to the last bit
     }
   }
   CHECK(worst < 2.0);
+}
+
+TEST_CASE("sine and cosine of degrees are the library's to the last place, and exact at quarter turns",
+          "[unit][core]") {
+  const auto check = [](double degrees) {
+    const SineCosine own = sine_cosine_of_degrees(degrees);
+    const long double radians = std::remainder(static_cast<long double>(degrees), 360.0L) * (std::acos(-1.0L) / 180.0L);
+    INFO(degrees);
+    CHECK(std::abs(static_cast<double>(own.sine - std::sin(radians))) < 3e-16);
+    CHECK(std::abs(static_cast<double>(own.cosine - std::cos(radians))) < 3e-16);
+  };
+  for (double degrees = -1000.0; degrees <= 1000.0; degrees += 0.37) check(degrees);
+  for (const double degrees : {45.0, -45.0, 135.0, 1e-30, 44.999999999999993, 1e9 + 0.5}) check(degrees);
+  constexpr double kSines[] = {0.0, 1.0, 0.0, -1.0};
+  for (int quarter = -8; quarter <= 8; ++quarter) {
+    const SineCosine own = sine_cosine_of_degrees(90.0 * quarter);
+    INFO(90 * quarter);
+    CHECK(own.sine == kSines[(quarter + 8) % 4]);
+    CHECK(own.cosine == kSines[(quarter + 9) % 4]);
+  }
 }

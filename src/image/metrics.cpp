@@ -82,6 +82,7 @@ ImageError image_error(const Image& image, const Image& reference) {
     const PixelError pixel = pixel_error(image.pixels[i], reference.pixels[i]);
     relative[i] = pixel.relative_squared;
     error.mse += pixel.squared;
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits are compared, NaN's and those of zeros too
     if (std::memcmp(&image.pixels[i], &reference.pixels[i], sizeof(Rgb)) != 0) ++error.different_pixels;
   }
   error.mse /= static_cast<double>(count);

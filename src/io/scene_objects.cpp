@@ -1,6 +1,5 @@
 // [[sphere]] and [[mesh]].
-#include <cmath>
-
+#include "core/angle.hpp"
 #include "file_bytes.hpp"
 #include "obj_reader.hpp"
 #include "scene_sections.hpp"
@@ -9,38 +8,21 @@
 namespace raylab {
 namespace {
 
-/// Sine and cosine of an angle in degrees, exact at quarter turns, so that walls stay flat.
-struct SineCosine {
-  double sine, cosine;
-
-  explicit SineCosine(double degrees) {
-    const double quarters = degrees / 90.0;
-    if (quarters == std::floor(quarters)) {
-      const int quarter = static_cast<int>(std::fmod(quarters, 4.0) + 4.0) % 4;
-      sine = quarter == 1 ? 1.0 : quarter == 3 ? -1.0 : 0.0;
-      cosine = quarter == 0 ? 1.0 : quarter == 2 ? -1.0 : 0.0;
-    } else {
-      const double radians = degrees * (3.14159265358979323846 / 180.0);
-      sine = std::sin(radians);
-      cosine = std::cos(radians);
-    }
-  }
-
-  dvec3 rotated(const dvec3& v) const { return {cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x}; }
-};
-
 void place_mesh(TriangleMesh& mesh, const MeshEntry& entry) {
   if (entry.scale == 1.0f && entry.rotate_y == 0.0f && entry.translate == vec3(0.0f)) return;
-  const SineCosine turn(entry.rotate_y);
+  const SineCosine turn = sine_cosine_of_degrees(static_cast<double>(entry.rotate_y));
+  const auto rotated = [&](const dvec3& v) {
+    return dvec3(turn.cosine * v.x + turn.sine * v.z, v.y, turn.cosine * v.z - turn.sine * v.x);
+  };
   for (vec3& p : mesh.positions) {
     // In double, and rounded once.
-    p = vec3(turn.rotated(dvec3(p) * double{entry.scale}) + dvec3(entry.translate));
+    p = vec3(rotated(dvec3(p) * double{entry.scale}) + dvec3(entry.translate));
     if (!is_finite(p)) {
       entry.table->fail_here("mesh " + entry.name + ": a vertex is too far away once scaled and moved");
     }
   }
   if (entry.rotate_y == 0.0f) return;
-  for (vec3& n : mesh.normals) n = vec3(glm::normalize(turn.rotated(dvec3(n))));
+  for (vec3& n : mesh.normals) n = vec3(glm::normalize(rotated(dvec3(n))));
 }
 
 }  // namespace

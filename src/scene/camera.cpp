@@ -4,16 +4,17 @@
 #include <string>
 
 #include "camera_ray.hpp"
+#include "core/angle.hpp"
 #include "raylab/core/error.hpp"
 
 namespace raylab {
 
 namespace {
-constexpr float kRadiansPerDegree = kPi / 180.0f;
 
 [[noreturn]] void bad(const std::string& key, const std::string& message) {
   throw Error(ErrorKind::input, "camera." + key, message);
 }
+
 }  // namespace
 
 Camera::Camera(const CameraSettings& s, int width, int height) {
@@ -41,7 +42,7 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
   const dvec3 right = glm::normalize(side);
   const dvec3 up = glm::cross(right, forward);
 
-  const double half_height = std::tan(0.5 * static_cast<double>(s.vfov) * kRadiansPerDegree) * s.focus_distance;
+  const double half_height = sine_cosine_of_degrees(0.5 * static_cast<double>(s.vfov)).tangent() * s.focus_distance;
   const double pixel = 2.0 * half_height / height;
   rays_.origin = s.look_from;
   forward_ = vec3(forward);
@@ -52,7 +53,7 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
   rays_.step_y = vec3(-pixel * up);
   rays_.has_lens = s.defocus_angle > 0.0f;
   const double lens_radius =
-      std::tan(0.5 * static_cast<double>(s.defocus_angle) * kRadiansPerDegree) * s.focus_distance;
+      sine_cosine_of_degrees(0.5 * static_cast<double>(s.defocus_angle)).tangent() * s.focus_distance;
   rays_.lens_x = vec3(lens_radius * right);
   rays_.lens_y = vec3(lens_radius * up);
 }

@@ -17,7 +17,7 @@ enum class ErrorKind {
 /// else the file or the option.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorKind kind, std::string location, std::string message)
+  Error(ErrorKind kind, std::string location, const std::string& message)
       : std::runtime_error(location.empty() ? message : location + ": " + message),
         kind_(kind),
         location_(std::move(location)) {}

@@ -65,6 +65,9 @@ inline float scaled_area(const Box& box, Four scale) {
 inline Four center(const Primitive& p) { return lower_of(p) + upper_of(p); }
 
 /// Cost of testing n primitives that one leaf or several hold.
-inline float leaf_cost(std::uint32_t n) { return static_cast<float>((n + 7) / 8); }
+inline float leaf_cost(std::uint32_t n) {
+  const std::uint32_t tests = (n + 7) / 8;
+  return static_cast<float>(tests);
+}
 
 }  // namespace raylab::bvh
