@@ -177,6 +177,28 @@ TEST_CASE("raylab-bench needs finds a cheap way and says it in scene-file lines"
   const std::string lines = best["scene_file"];
   CHECK(lines == "[render]\nsamples_per_pixel = " + best["spp"].dump() + "\nmax_depth = " + best["max_depth"].dump());
   CHECK(run.out.find(lines) != std::string::npos);
+  for (const Row& row : rows_where(results, "question", "accelerator")) {
+    INFO(row.dump());
+    if (row["accel"] == best["accel"]) CHECK(row["runs"].get<int>() >= 6);
+  }
+
+  // The command renders what was measured.
+  std::string command = best["command"];
+  const std::string program = "raylab-render ";
+  REQUIRE(command.rfind(program, 0) == 0);
+  command = "cd " + folder.path().string() + " && " RAYLAB_BINARY_DIR "/" + command + " --quiet --stats stats.json";
+  REQUIRE(run_program("/bin/sh", {"-c", command}).exit_code == 0);
+  const Row stats = Row::parse(read_text(folder / "stats.json"));
+  for (const char* field : {"width", "spp", "max_depth", "integrator", "sampler"}) CHECK(stats[field] == best[field]);
+
+  // A run with another winner leaves none of the old one.
+  const ProgramResult again =
+      raylab_bench({"needs", kCornell, "--width", "12", "--spp", "4", "--repeats", "1", "--reference-spp", "64",
+                    "--accel", "list", "--target-error", "2", "--out", folder.path().string()});
+  REQUIRE(again.exit_code == 0);
+  const auto winners = rows_where(read_results(folder.path()), "question", "cheapest");
+  REQUIRE(winners.size() == 1);
+  CHECK(winners[0]["accel"] == "list");
 }
 
 TEST_CASE("raylab-bench scale measures a family by size", "[cli][bench]") {

@@ -176,9 +176,9 @@ TEST_CASE("the distance of a hit is within 8 ulp, however steeply the triangle s
   int hits = 0;
   for (int i = 0; i < 100'000; ++i) {
     const float lean = std::exp2(random(-12.0f, 0.0f));
-    const vec3 middle(random(1.0f, 2.0f), random(-1.0f, 1.0f), random(-1.0f, 1.0f));
-    const vec3 along(random(0.1f, 0.2f), lean * random(-0.1f, 0.1f), lean * random(-0.1f, 0.1f));
-    const vec3 across(0.0f, random(0.01f, 0.1f), random(0.01f, 0.1f));
+    const vec3 middle{random(1.0f, 2.0f), random(-1.0f, 1.0f), random(-1.0f, 1.0f)};
+    const vec3 along{random(0.1f, 0.2f), lean * random(-0.1f, 0.1f), lean * random(-0.1f, 0.1f)};
+    const vec3 across{0.0f, random(0.01f, 0.1f), random(0.01f, 0.1f)};
     const Triangle triangle{middle - along - across, middle + along - across, middle + across};
     const Ray ray{vec3(0.0f), middle + 0.3f * random(-1.0f, 1.0f) * across};
     const auto found = watertight(ray, triangle);

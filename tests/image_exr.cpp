@@ -145,7 +145,7 @@ TEST_CASE("float and tiled EXR files are read, other channels left aside", "[uni
   const TempFolder folder;
   Image image(40, 23);
   std::mt19937 random(4);
-  for (auto& pixel : image.pixels) pixel = Rgb(random(), random() * 1e-20f, random() * 1e20f);
+  for (auto& pixel : image.pixels) pixel = Rgb{float(random()), random() * 1e-20f, random() * 1e20f};
   write_float_exr(folder / "float.exr", image, Imf::Header(40, 23), {"R", "G", "B", "N.X", "diffuse.R"});
   CHECK(read_exr(folder / "float.exr").pixels == image.pixels);
 

@@ -174,6 +174,15 @@ void ResultsFolder::add(const std::vector<Row>& rows) {
   write();
 }
 
+void ResultsFolder::remove(const Row& values) {
+  std::erase_if(results_.rows, [&](const Row& row) {
+    for (const auto& value : values.items()) {
+      if (!row.contains(value.key()) || row[value.key()] != value.value()) return false;
+    }
+    return true;
+  });
+}
+
 void ResultsFolder::finish() {
   results_.runs.back()["complete"] = true;
   write();

@@ -45,6 +45,9 @@ class ResultsFolder {
   /// have, is left out.
   void add(const std::vector<Row>& rows);
 
+  /// Removes the rows that have all these values, with the next rows that are added.
+  void remove(const Row& values);
+
   /// Notes that the run came to its end.
   void finish();
 
