@@ -10,9 +10,9 @@ namespace {
 constexpr float kGrow = 1.0f + 0x1p-20f;
 constexpr float kShrink = 1.0f - 0x1p-20f;
 
-/// A ray made ready: its origin, and the reciprocals of its direction times the factors. A direction of 0 has an
-/// infinite reciprocal; where that gives NaN, the origin is in the plane; then max and min drop that bound, or another
-/// of the same side too.
+/// A ray made ready: its origin, and the reciprocals of its direction times the factors. A component of 0 has an
+/// infinite reciprocal, which gives NaN where the origin is in the plane; max and min then ignore that bound, perhaps
+/// with another one of its side.
 template <class F>
 struct SlabRay {
   Vec3<F> origin, to_near, to_far;

@@ -6,9 +6,9 @@
 namespace raylab {
 namespace {
 
-/// What the distances at which a line meets a sphere are made of: they are c / q and q / a. Stable where the quadratic
-/// formula cancels, that is for a distant or a large sphere (Haines, Günther and Akenine-Möller 2019, Ray Tracing Gems,
-/// ch. 7).
+/// The quadratic equation of a line and a sphere; its roots are the distances c / q and q / a. They are stable where
+/// the quadratic formula cancels, which is for a distant or a large sphere (Haines, Günther and Akenine-Möller 2019,
+/// Ray Tracing Gems, ch. 7).
 template <class D>
 struct SphereQuadratic {
   D a, b, c;

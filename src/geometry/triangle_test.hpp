@@ -45,12 +45,12 @@ template <class F>
 // --------------------------------------
 //
 // The sheared vertices depend on the ray and the vertex alone, so two triangles evaluate a shared edge on the same
-// numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals never turn a sign around,
-// they can only lose it; then double decides. All of this falls if products and sums are contracted.
+// numbers, and get exactly opposite values. Rounding, overflow and the flushing of denormals may lose the sign of a
+// value but never flip it; a lost sign is decided in double. Contracting products and sums would break this.
 
-/// Which component of a vector is the ray's z, the largest of its direction; x and y follow it in cyclic order. (Woop
-/// and others swap x and y where the direction is negative, which turns all three edge functions around and changes no
-/// answer.) Of one ray, by index; of a vector of rays, by masks.
+/// The order of axes that makes the direction's largest component z; x and y follow it cyclically. (Woop and others
+/// swap x and y where the direction is negative, which flips all three edge functions and changes no answer.) One ray
+/// stores indices, a vector of rays masks.
 template <class F>
 class AxisOrder {
  public:
@@ -88,7 +88,7 @@ class AxisOrder<float> {
   int kx, ky, kz;
 };
 
-/// What the watertight test needs of a ray: the order of axes and the shear that turn its direction into +z.
+/// The watertight test reads this of a ray: the order of axes, and the shear that aligns it with the z axis.
 template <class F>
 struct ShearedRay {
   AxisOrder<F> axes;
@@ -102,8 +102,8 @@ struct ShearedRay {
   }
 };
 
-/// A vertex, of which the origin was taken away and the axes put in order, in the ray's space: the ray goes along the
-/// z axis, z in the units of the scene.
+/// Shears a vertex, given relative to the origin and with its axes in the ray's order, into ray space: there the ray
+/// runs along the z axis. z keeps the units of the scene.
 template <class F>
 [[gnu::always_inline]] inline Vec3<F> sheared(const F& x, const F& y, const F& z, const F& shear_x, const F& shear_y) {
   return {x - shear_x * z, y - shear_y * z, z};
@@ -135,14 +135,14 @@ template <class F>
 /// The edge functions err by roundings of max|z| max|x, y|, so t errs by roundings of
 ///   slope = max|z| max|x, y| (extent of the triangle along z) / (|z| det),
 /// which for a triangle far away is how steeply it stands against the ray. Up to kTrustedSlope t is taken as it is, a
-/// few roundings off: beyond, one hit in ten, it is computed again in double. Of a t below 0 only the sign matters,
-/// which is right up to kTrustedSignSlope: so a ray that leaves a triangle, as every scattered one does, needs no
-/// double for it.
+/// few roundings off; beyond, for one hit in ten, it is computed again in double. Of a negative t only the sign
+/// matters, and it is right up to kTrustedSignSlope; so a ray that leaves a triangle, as every scattered ray does,
+/// needs no double.
 constexpr float kTrustedSlope = 3.0f;
 constexpr float kTrustedSignSlope = 0x1p19f;
 /// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory. Where
-/// that decides on which side of the limit it is, t need not be computed again. Below kSmallestError the slope's own
-/// rounding would count.
+/// this bound decides the side of the limit, t is not computed again. Smaller errors count as kSmallestError, since
+/// their own rounding would matter.
 constexpr float kRoughError = 0x1p-18f;
 constexpr float kSmallestError = 0x1p-100f;
 
@@ -179,8 +179,7 @@ template <class F>
   return hit;
 }
 
-/// Whether it is certain on which side of the limit a hit lies, although its t is not precise: beyond it or, if any hit
-/// will do, within the interval.
+/// Whether a hit with an imprecise t is certainly beyond the limit or, with any_hit, certainly within the interval.
 template <bool any_hit, class F>
 [[gnu::always_inline]] inline MaskOf<F> side_is_certain(const WatertightHit<F>& hit, const F& t_min, const F& limit) {
   const F margin = max(hit.error, F(kSmallestError)) * F(kRoughError) * abs(hit.t);
@@ -189,8 +188,8 @@ template <bool any_hit, class F>
   return beyond | ((margin < (limit - hit.t) * hit.depth) & (margin < (hit.t - t_min) * hit.depth));
 }
 
-/// Below this share of the sizes of its terms the sine between ray and plane is so small that the line, which the edge
-/// functions know up to roundings of floats, may meet the plane outside the triangle.
+/// A `facing` below this fraction of the sum of its terms' absolute values means that the ray is nearly parallel to the
+/// plane: by the rounding of the edge functions it may then meet the plane outside the triangle.
 constexpr double kDoubtfulFacing = 0x1p-12;
 
 /// Distance to the plane of a triangle, in double from the vertices as they are; where the ray runs nearly along the

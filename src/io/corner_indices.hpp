@@ -7,8 +7,8 @@
 
 namespace raylab {
 
-/// The index array of an attribute (normals or texture coordinates), kept only as far as it says something:
-/// nothing while no face has the attribute, nothing while every index equals that of the position.
+/// The index array of an attribute (normals or texture coordinates), which stays empty while no face has the attribute
+/// or every index equals that of the position.
 class CornerIndices {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;  ///< a corner without the attribute

@@ -128,7 +128,7 @@ class MtlReader {
     }
   }
 
-  /// Ambient light does not exist here, nor do d 1, Tr 0 and Tf 1 1 1 differ from saying nothing.
+  /// Ambient light is not modelled, and d 1, Tr 0 and Tf 1 1 1 are the defaults.
   static bool changes_nothing(const std::string& keyword, std::string_view rest) {
     const auto words = values_of(rest);
     const auto all_are = [&](float value) {

@@ -6,10 +6,10 @@
 
 namespace raylab {
 
-/// Feeds an OBJ file to tinyobjloader one statement at a time, so that its callbacks know the line they come from,
-/// and refuses what tinyobjloader reads as something else without a word: numbers that are none become 0 there,
-/// index 0 means no index, lines are not continued, and a material's name ends at its first space.
-/// tinyobjloader sees the v, vn, vt and f statements alone; all others go to `other`.
+/// Feeds an OBJ file to tinyobjloader one statement at a time, so that its callbacks know the line they come from, and
+/// refuses what tinyobjloader silently misreads: it takes malformed numbers for 0 and index 0 for no index, does not
+/// continue lines, and ends a material's name at its first space. tinyobjloader sees the v, vn, vt and f statements
+/// alone; all others go to `other`.
 class ObjSource : public std::streambuf {
  public:
   using Statement = std::function<void(std::string_view keyword, std::string_view rest)>;

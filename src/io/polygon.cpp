@@ -69,7 +69,7 @@ bool triangulate(std::span<const vec3> corners, std::vector<std::array<std::uint
   for (std::size_t i = 0; i < count; ++i) rest[i] = static_cast<std::uint32_t>(i);
   if (count > 3) {
     const std::vector<Point> points = projected(corners);
-    // Cutting ears only narrows the other corners, so the first answer stays on the safe side.
+    // Cutting ears only narrows corners: convex ones stay convex, so this stays conservative.
     std::vector<bool> may_block(count);
     for (std::size_t i = 0; i < count; ++i) {
       may_block[i] = !(turn(points[(i + count - 1) % count], points[i], points[(i + 1) % count]) > 0.0);

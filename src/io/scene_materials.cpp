@@ -73,7 +73,9 @@ Material::Kind kind_of(const TomlValue& type, const std::string& path) {
   const std::string& name = string_of(type, path);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) {
-    type.fail(path, "lambertian, metal, dielectric or diffuse_light" + nearest_hint(name, names, "type"));
+    std::string known = names.front();
+    for (std::size_t i = 1; i < names.size(); ++i) known += (i + 1 == names.size() ? " or " : ", ") + names[i];
+    type.fail(path, known + nearest_hint(name, names, "type"));
   }
   return static_cast<Material::Kind>(found - names.begin());
 }

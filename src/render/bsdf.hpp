@@ -79,6 +79,12 @@ MaskOf<F> has_density(const MaterialLanes<F>& m) {
   return lambertian | rough;
 }
 
+/// Where sample_bsdf() reads its `lobe`.
+template <class F>
+MaskOf<F> has_lobes(const MaterialLanes<F>& m) {
+  return m.is(Material::Kind::dielectric);
+}
+
 /// f cos and pdf for a direction; both 0 below the surface and for delta materials.
 template <class F>
 BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Vec3<F>& wo, const Vec3<F>& wi) {

@@ -84,7 +84,7 @@ void Lights::fill_choice(const std::vector<double>& powers) {
   };
   Int left = Int{1} << 64;
   for (const double p : powers) left -= share(p);
-  // What rounding leaves, of either sign, makes no difference to the strongest.
+  // The remainder of rounding, of either sign, goes to the strongest emitter.
   const auto strongest = static_cast<std::size_t>(std::ranges::max_element(powers) - powers.begin());
   Int sum = 0;
   first_.reserve(powers.size());

@@ -18,8 +18,8 @@ struct LightSample {
   bool infinite = false;
 };
 
-/// Light samples for some lanes side by side, as far as they differ from scalar code: which emitting triangle, whose
-/// point is yet to be chosen by sample_triangle(), and complete samples of all other emitters.
+/// Light samples of some lanes. A lane with a triangle of constant radiance has only its index, and sample_triangle()
+/// is to choose the point; lanes with other emitters have complete samples.
 struct LightLanes {
   static constexpr int kMost = 16;
   alignas(64) std::uint32_t emitter[kMost];  ///< index into Lights::emitting_triangles()
@@ -42,13 +42,13 @@ struct TriangleEmitter {
   bool varies;
 };
 
-/// All emitters of a scene that has few, if they are triangles of constant radiance whose probabilities numbers of
-/// 24 bits do justice to, for lookup by lanes: one column for each number that sampling reads.
+/// All emitters of a scene, for lookup by lanes, if they are few triangles of constant radiance with probabilities that
+/// 24 bits resolve. There is one column for each number that sampling reads.
 struct LightTable {
   static constexpr int kMost = 16;
   static constexpr int kColumns = 17;  ///< TriangleEmitter as far as the radiance
   int count = 0;                       ///< 0: the scene is not of this kind
-  alignas(64) float cdf[kMost];        ///< for all but the last the least number that chooses a later one
+  alignas(64) float cdf[kMost];        ///< [i]: least number that chooses an emitter after i
   alignas(64) float columns[kColumns][kMost];
 };
 

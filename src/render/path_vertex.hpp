@@ -78,8 +78,8 @@ struct PathVertex {
   Vec3<F> wo_local;
 };
 
-/// `normal_sum` is that of shading_normal(), 0 where the surface has no normals of its own. Where interpolation turns
-/// the shading normal away from wo, the geometric one takes its place: a surface is seen from the side it is on.
+/// `normal_sum` is the argument of shading_normal(); it is 0 for a surface without normals. Where the interpolated
+/// normal points away from wo, the geometric normal replaces it.
 template <class F>
 PathVertex<F> path_vertex(const MaterialLanes<F>& material, const Vec3<F>& color, const PointLanes<F>& point,
                           const Vec3<F>& direction, const Vec3<F>* normal_sum) {
@@ -142,8 +142,8 @@ ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const 
   return ray;
 }
 
-/// Takes the path on to its next ray. Returns where it goes on: elsewhere the light was absorbed. u chooses the
-/// direction, lobe the reflection or refraction of dielectrics.
+/// Scatters the path into its next ray. Returns the lanes that go on; the others are absorbed. u chooses the direction,
+/// lobe the reflection or refraction of dielectrics.
 template <class F>
 MaskOf<F> scatter(const PathVertex<F>& v, const Vec2<F>& u, const F& lobe, RayOffset offset, PathState<F>& path) {
   BsdfSample<F> s = sample_bsdf<F>(v.material, v.color, v.wo_local, v.inside, u, lobe);

@@ -41,7 +41,7 @@ Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathSt
   return s.accelerator.occluded({ray.origin, ray.direction, 0.0f, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);
 }
 
-/// See shading_normal().
+/// The argument of shading_normal() in scene/surface_lanes.hpp.
 vec3 normal_sum(const Geometry& geometry, const Hit& hit) {
   if (geometry.is_sphere(hit.geometry) || geometry.meshes[hit.geometry].normals.empty()) return vec3(0.0f);
   return interpolated_normal(geometry.meshes[hit.geometry], hit.primitive, hit.u, hit.v);
@@ -74,7 +74,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     if (s.sample_lights && has_density(v.material)) radiance += direct_light(s, v, path, sampler, draw, counts);
 
     const Vec2<float> u = sampler.get2(draw + kDirection);
-    const float lobe = material.kind == Material::Kind::dielectric ? sampler.get1(draw + kLobe) : 0.0f;
+    const float lobe = has_lobes(v.material) ? sampler.get1(draw + kLobe) : 0.0f;
     if (!scatter<float>(v, u, lobe, s.settings.ray_offset, path)) return radiance;
     if (segment >= Integrator::kFirstRouletteSegment && s.settings.kind != IntegratorKind::book) {
       if (!survives_roulette(sampler.get1(draw + kRoulette), path)) return radiance;

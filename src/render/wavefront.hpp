@@ -140,7 +140,7 @@ class Wavefront {
   void shade(std::size_t first, int segment) {
     const BasicSampler<Wide> sampler = sampler_of(first);
     const std::uint32_t draw = first_draw(segment);
-    // A long chain of operations that needs nothing of the hit: begun first, the processor does it beside the others.
+    // This long chain of operations does not need the hit; begun first, it overlaps with the rest.
     const WideVec2 u = sampler.get2(draw + kDirection);
     const WideMask valid = first_lanes(count_ - first);
     const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
@@ -317,7 +317,7 @@ class Wavefront {
              const PathVertex<Wide>& vertex, PathState<Wide>& path) {
     const std::uint32_t draw = first_draw(segment);
     Wide lobe(0.0f);
-    if (any(alive & vertex.material.is(Material::Kind::dielectric))) lobe = sampler.get1(draw + kLobe);
+    if (any(alive & has_lobes(vertex.material))) lobe = sampler.get1(draw + kLobe);
     alive = alive & scatter(vertex, u, lobe, offset_, path);
     if (segment >= Integrator::kFirstRouletteSegment && scene_.settings.kind != IntegratorKind::book)
       alive = alive & survives_roulette(sampler.get1(draw + kRoulette), path);

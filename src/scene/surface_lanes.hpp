@@ -23,7 +23,7 @@ struct PointLanes {
 ///    plane as dot(p0 - o, e1 x e2) errs by a few roundings of |extent| |e1| |e2|, which for a needle is far more
 ///    than its |e1 x e2|;
 ///  - 2^-40 of the extent, so that a query that decides in double still sees the point off the plane.
-/// For a plane parallel to an axis through 0 the first two vanish, as do the errors they bound.
+/// In the planes x = 0, y = 0 and z = 0 the first two vanish, as do the errors they bound.
 template <class F>
 void place_on_triangle(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, const F& u, const F& v,
                        PointLanes<F>& point) {

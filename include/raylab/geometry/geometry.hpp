@@ -83,9 +83,9 @@ inline Triangle triangle_corners(const TriangleMesh& mesh, std::uint32_t triangl
   return {mesh.positions[i.x], mesh.positions[i.y], mesh.positions[i.z]};
 }
 
-/// Coordinates beyond this are not accepted by any accelerator: Embree drops them, and squares of larger
-/// ones overflow (Embree's limit, FLT_LARGE).
-inline constexpr float kLargestCoordinate = 1.844e18f;
+/// Coordinates beyond this are not accepted by any accelerator: squares of larger ones overflow, and Embree drops
+/// those from 1.844e18 on.
+inline constexpr float kLargestCoordinate = 1.8e18f;
 
 /// Whether accelerators take the primitive in: indices in range, coordinates finite and not beyond
 /// kLargestCoordinate, and for spheres a positive radius that is no denormal. Others behave as if absent.

@@ -81,7 +81,7 @@ class Bvh final : public Accelerator {
       std::copy_n(found.t, count, hits.t + first);
       std::copy_n(found.u, count, hits.u + first);
       std::copy_n(found.v, count, hits.v + first);
-      // What is no slot is taken for the one after the last, where the id of no hit is: no branch to guess wrong.
+      // A value that is no slot reads the last entry, which holds kNoHit: there is no branch to mispredict.
       const PrimitiveId* const ids = tree_.ids.data();
       const auto no_slot = static_cast<std::uint32_t>(tree_.ids.size() - 1);
       for (std::size_t k = 0; k < count; ++k) {
@@ -135,8 +135,8 @@ class Bvh final : public Accelerator {
     std::memcpy(to, &four, sizeof four);
   }
 
-  /// False where nothing can be hit. Directions whose reciprocal is out of range are multiplied by a power of two,
-  /// and so is the reciprocal of t: by `scale` it becomes what it should be.
+  /// Returns false where nothing can be hit. A direction whose reciprocal is out of range is multiplied by `scale`, a
+  /// power of two; the ray's t is then the t found times `scale`.
   bool make_query(const Ray& ray, TraversalRay& query, float& scale) const {
     if (!(ray.t_min < ray.t_max)) return false;
     scale = 1.0f;

@@ -143,9 +143,7 @@ class Embree final : public Accelerator {
 #if RAYLAB_EMBREE_MAJOR < 4
     if (report_.primitives >= kLargeScene) return occluded_streams(rays, occluded_rays);
 #endif
-    if (packet_size_ == 16) return occluded_by_16(rays, occluded_rays);
-    if (packet_size_ == 8) return occluded_by_8(rays, occluded_rays);
-    occluded_packets<4>(rays, occluded_rays);
+    occluded_packets(rays, occluded_rays);
   }
 
   RTCScene scene() const { return scene_.get(); }
@@ -243,6 +241,13 @@ class Embree final : public Accelerator {
     }
   }
 
+  /// In packets as wide as Embree has them.
+  void occluded_packets(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept {
+    if (packet_size_ == 16) return occluded_by_16(rays, occluded_rays);
+    if (packet_size_ == 8) return occluded_by_8(rays, occluded_rays);
+    occluded_packets<4>(rays, occluded_rays);
+  }
+
 #if RAYLAB_EMBREE_MAJOR < 4
   /// The batch's own arrays go to Embree, but for the ends of the intervals. A stream with a ray that is not plain is
   /// cut into packets.
@@ -255,7 +260,7 @@ class Embree final : public Accelerator {
         part.direction[axis] = rays.direction[axis] + first;
       }
       if (!stream.fill(part)) {
-        occluded_packets<4>(part, occluded_rays + first);
+        occluded_packets(part, occluded_rays + first);
         continue;
       }
       stream.query_occluded(scene_.get(), part);
@@ -327,7 +332,7 @@ class Embree final : public Accelerator {
   }
 
   void add_spheres(const Geometry& geometry) {
-    const auto valid = std::count_if(geometry.spheres.begin(), geometry.spheres.end(), is_valid_sphere);
+    const auto valid = std::count_if(geometry.spheres.begin(), geometry.spheres.end(), is_embree_sphere);
     report_.primitives += static_cast<std::size_t>(valid);
     if (valid == 0) return;
     const EmbreeGeometry spheres(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER));

@@ -66,7 +66,7 @@ inline float plain_far(float t_max) { return std::bit_cast<float>(std::bit_cast<
 /// The ray as Embree takes it, and the power of two its direction was multiplied by; 0, and an interval that is empty,
 /// for a ray that Embree cannot take.
 /// Embree's modes differ at the ends of the interval: robust includes t_min, fast excludes it, both include
-/// t_max. So the ends are moved inward by one float.
+/// t_max. So the ends are moved inward by one float, of which fast could do without that at t_min.
 inline float to_embree(const Ray& ray, RTCRay& out) {
   vec3 origin = ray.origin;
   vec3 direction = ray.direction;
@@ -81,7 +81,8 @@ inline float to_embree(const Ray& ray, RTCRay& out) {
       scale = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -126, 126));
     }
     direction *= scale;
-    near = std::max(next_float_up(ray.t_min) / scale, FLT_MIN);
+    // So that the hit's t, which is multiplied by the scale, is no denormal.
+    near = std::max(next_float_up(ray.t_min) / scale, FLT_MIN / std::min(scale, 1.0f));
     far = next_float_down(ray.t_max) / scale;
     if (!(near <= far)) near = 0.0f, far = -1.0f;  // NaN would be asserted against
   } else {

@@ -18,6 +18,13 @@ bool hit_sphere(void* user, unsigned primitive, const RTCRay& ray, float& t) {
   return hit.has_value();
 }
 
+/// Whether Embree, which drops a box that is empty or reaches beyond its range, takes the sphere in.
+bool is_embree_sphere(const Sphere& sphere) {
+  if (!is_valid_sphere(sphere)) return false;
+  const Bounds b = sphere_bounds(sphere);
+  return max_component(glm::max(glm::abs(b.lower), glm::abs(b.upper))) < 1.844e18f;
+}
+
 void sphere_bounds_callback(const RTCBoundsFunctionArguments* args) {
   const Sphere& sphere = static_cast<const Geometry*>(args->geometryUserPtr)->spheres[args->primID];
   const Bounds b = is_valid_sphere(sphere) ? sphere_bounds(sphere) : Bounds();  // Embree drops empty ones

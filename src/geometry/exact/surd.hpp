@@ -31,7 +31,7 @@ double approximate(const Surd& x);
 /// x / 2^exponent, which must be an integer.
 Integer scaled(double x, int exponent);
 
-/// Exponent of the last place that floats and doubles of 24 bits need: x is a multiple of 2 to the power of it.
+/// Exponent e of the last of a float's 24 bits: x is a multiple of 2^e.
 inline int last_place(float x) {
   int exponent;
   std::frexp(x, &exponent);

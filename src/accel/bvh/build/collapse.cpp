@@ -13,8 +13,8 @@ namespace raylab::bvh {
 
 namespace {
 
-/// How a binary subtree is best covered by the lanes of a wide node, for each number of them: so that the areas of
-/// all wide nodes and leaves, which are what the surface area heuristic expects a ray to meet, are least together.
+/// For each number of lanes of a wide node, the best cover of a binary subtree: the one with the least total area of
+/// wide nodes and leaves, which is the cost of the surface area heuristic.
 struct CollapseCost {
   double area[kWidth];            ///< [k]: that of the subtree's wide nodes and leaves if it has k lanes, k >= 1
   std::uint8_t left[kWidth + 1];  ///< [k]: of k lanes those that go to the left child; 0: one lane takes it all.
@@ -146,7 +146,7 @@ class Treelet {
   int children_ = 0;
 };
 
-/// Where the children of a wide node go: they are numbered through, siblings side by side.
+/// The lines of a wide node and of its children, which lie side by side.
 struct NodeLayout {
   std::uint32_t binary;
   std::uint32_t line;
@@ -317,7 +317,7 @@ WideTree build_wide_tree(const Geometry& geometry, BuildQuality quality) {
   if (quality != BuildQuality::best) return build(Splits::of_primitives);
   WideTree tree = build(Splits::of_space_too);
   if (tree.ids.size() == tree.primitives + 1) return tree;  // nothing is split
-  // Split by split it is the cheaper one, but not always as a whole.
+  // Each split lowers the expected cost, yet the whole tree may cost more.
   WideTree whole = build(Splits::of_primitives);
   return tree.sah_cost < whole.sah_cost ? std::move(tree) : std::move(whole);
 }

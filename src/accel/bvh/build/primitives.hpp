@@ -20,10 +20,9 @@ struct alignas(16) Primitive {
 };
 static_assert(sizeof(Primitive) == 32);
 
-/// Grows the box of a triangle of that size, or of a sphere (size 0), so that no ray misses it that the test of
-/// the primitive lets hit. Where the test is off, it is by the rounding of coordinates relative to the origin of
-/// the ray, so by a few units in the last place of the distance, which the box test allows for, and of the size of
-/// the triangle.
+/// Grows the box of a triangle of that size, or of a sphere (size 0), so that every ray that the primitive's test
+/// accepts meets the box. The test errs by rounding coordinates relative to the ray's origin: by a few ulp of the
+/// distance, which the box test allows for, and of the triangle's size.
 void grow(Primitive& p, float size);
 
 struct Primitives {

@@ -109,10 +109,10 @@ class Optimizer {
     return moves;
   }
 
-  /// The best new position for a node. Taking it out saves its parent, and shrinks the boxes above; putting it in
-  /// as the sibling of another adds their common box, and grows those between that and the path upwards. All nodes off
-  /// the path are searched, except below one where what is saved less what has already grown cannot pay for the node's
-  /// own area, which the common box has at least.
+  /// The best new position for a node. Taking it out saves its parent and shrinks the boxes above; putting it in as the
+  /// sibling of another node adds their common box, and grows the boxes between that and the path upwards. The search
+  /// skips subtrees where the saved area, less the growth so far and the node's own area (the least that the common box
+  /// can have), cannot beat the best gain.
   Move find_move(std::uint32_t node, std::vector<std::pair<double, std::uint32_t>>& stack) const {
     Move best{node, 0, 0.0};
     if (node == 0) return best;
@@ -144,7 +144,7 @@ class Optimizer {
       }
       if (above != parent) {
         without = joined(without, nodes_[sibling]);
-        // Next to what is left of `above`, their common box being that of `above` now.
+        // As sibling of the rest of `above`: the common box is the box of `above` now.
         const double gain = saved - half_area(without);
         if (gain > best.gain) best = {node, above, gain};
         saved += half_area(nodes_[above]) - half_area(without);

@@ -71,8 +71,8 @@ class BlockTest<Intersector::watertight> {
     for (int i = 0; i < 3; ++i) origin_[i] = ray.origin[i == 0 ? axes().kx : (i == 1 ? axes().ky : axes().kz)];
   }
 
-  /// Of the last block in which lanes were found: by lane the edge functions, or t, beta and gamma; by position z and
-  /// max(|x|, |y|). Also the lanes where float does not decide whether they are hit, or how far away.
+  /// Results for a block: for each lane the edge functions, or t, beta and gamma; for each position z and max(|x|,
+  /// |y|). Lanes whose hit floats do not decide are `unsure`; those whose distance floats do not decide, `imprecise`.
   struct Found {
     std::uint32_t unsure, imprecise;
     alignas(64) float t[kBlockSize];

@@ -8,8 +8,8 @@
 namespace raylab::bvh {
 namespace {
 
-/// What of a tree the rays of a group are yet to visit, each on its own. The counts lie apart, so that those of rays
-/// for which nothing waits take few cache lines.
+/// The subtrees that each ray of a group has yet to visit alone. The counts are stored apart, so that rays with nothing
+/// waiting touch few cache lines.
 struct Waiting {
   static constexpr int kMost = 16;
   std::uint8_t count[kGroup] = {};
@@ -84,15 +84,15 @@ class alignas(64) InterleavedRay : OwnedRay, public RayTraversal<Intersector::wa
   DeepStack& deep_;
 };
 
-/// Rays that are on their ways at one time.
+/// Rays that are traced at one time.
 constexpr int kInterleaved = 32;
 
-/// Takes some rays to the end of their ways, kInterleaved of them side by side: start(i, room, stack, deep) makes an
-/// InterleavedRay of ray i in that room, and end(i, hit) is given what it has come to.
+/// Traces some rays, kInterleaved of them at a time: start(i, room, stack, deep) constructs the InterleavedRay of ray i
+/// in `room`, and end(i, hit) receives its result.
 ///
-/// A ray alone mostly waits: for memory in a large tree, for one operation to follow the other, and where the
-/// processor has guessed wrong whether a node or a block comes next, or whether a block holds a hit. So the rays are
-/// sorted by what comes next for each: all visits to nodes, then all visits to blocks, then all distances.
+/// A single ray mostly waits: for memory in a large tree, for the result of the operation before, and after branches
+/// mispredicted on whether a node or a block comes next, or whether a block holds a hit. So the rays are sorted by
+/// their next visit: nodes first, then blocks (edges before distances), then spheres.
 template <bool any_hit, class Start, class End>
 class InterleavedTraversal {
  public:
@@ -223,8 +223,7 @@ class InterleavedTraversal {
   std::uint8_t* ends_[kKinds];
   std::uint8_t lists_[2][kKinds][kInterleaved];
   int ray_of_[kInterleaved];
-  // Of the blocks inside some of whose triangles' edges a ray passes: whose ray, which lanes, and what is known of
-  // them.
+  // For each block with a triangle whose edges a ray passes inside: the ray's slot, those lanes, and their data.
   std::uint8_t met_[kInterleaved];
   std::uint32_t found_[kInterleaved];
   typename OneRay::Found inside_[kInterleaved];

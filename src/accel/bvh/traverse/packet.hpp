@@ -9,13 +9,14 @@
 namespace raylab::bvh {
 namespace {
 
-/// Where no more rays of a packet than this go into a subtree, or to a block, it waits until they go alone: a vector
+/// A subtree or block that at most this many rays of a packet enter is left for these rays to visit alone: a vector
 /// with few lanes in use costs as much as a full one (Benthin, Wald, Woop, Ernst and Mark 2012, "Combining Single and
-/// Packet-Ray Tracing"). Measured on the primary and diffuse rays of cornell, the bunny and the dragon: since rays that
-/// have parted do not meet again, nodes are left early.
+/// Packet-Ray Tracing"). The numbers were measured on the primary and diffuse rays of cornell, the bunny and the
+/// dragon. Nodes are left early, since rays that have parted do not meet again.
 constexpr int kFewAtNode = kLanes * 7 / 8;
 constexpr int kFewAtBlock = kLanes / 2;
-/// At nodes of trees that hold spheres alone, which a ray alone visits one by one: measured on one-weekend.
+/// The same at nodes of trees that hold spheres only, whose leaves a single ray tests one by one; measured on one-
+/// weekend.
 constexpr int kFewAmongSpheres = kLanes / 8;
 
 /// A packet goes through the tree as long as its rays stay together.
@@ -79,7 +80,7 @@ class Packet {
 
   /// Lanes whose directions are too long or too short, so that they were left out.
   std::uint32_t left_out() const { return left_out_.bits(); }
-  /// Lanes that have hit something; only then they have a hit.
+  /// Lanes with a hit; the others have slot kNoPrimitive.
   std::uint32_t done() const { return done_.bits(); }
   /// Largest t that counts, or the best so far.
   Wide limits() const { return best_t_; }
@@ -116,9 +117,9 @@ class Packet {
     return top;
   }
 
-  /// First, which rays pass inside the edges of which triangles, then how far away these are: of a block a ray passes
-  /// few triangles, and a triangle few rays, so that the second part would often be done for a lane or two, were it
-  /// done triangle by triangle. As it is each lane has room for two triangles of its own.
+  /// Tests the edges of all triangles, then computes distances. A ray passes few triangles of a block, and a triangle
+  /// is passed by few rays, so distances triangle by triangle would often use one or two lanes. Therefore each lane
+  /// first collects up to two triangles of its own.
   template <class Block>
   void hit_block(const Block& block, WideMask active) {
     constexpr bool shared = std::is_same_v<Block, SharedBlock>;
@@ -211,8 +212,7 @@ class Packet {
     accept(hit, t, Wide(0.0f), Wide(0.0f), WideUInt(slot));
   }
 
-  /// Makes the hits of some lanes, none of them farther than the best one, the best. Of equally near ones the
-  /// smallest id wins.
+  /// Replaces the best hits of lanes whose new hit is no farther. At equal distance the smallest id wins.
   void accept(WideMask lanes, Wide t, Wide u, Wide v, WideUInt slot) {
     // After the scalar tests some may be farther than they were.
     lanes = lanes & (t <= best_t_);

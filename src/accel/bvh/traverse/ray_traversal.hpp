@@ -33,7 +33,7 @@ inline bool id_precedes(const TreeView& tree, std::uint32_t a, std::uint32_t b) 
   return x.geometry < y.geometry || (x.geometry == y.geometry && x.primitive < y.primitive);
 }
 
-/// Makes the hit, which is no farther than the best one, the best. Of equally near ones the smallest id wins.
+/// Replaces the best hit by one that is no farther. At equal distance the smallest id wins.
 inline void take(const TraversalHit& hit, const TreeView& tree, TraversalHit& best, float& limit) {
   if (hit.t == best.t && !id_precedes(tree, hit.primitive_slot, best.primitive_slot)) return;
   best = hit;
