@@ -432,9 +432,9 @@ TEST_CASE("raylab-bench report draws the same files from the same results", "[cl
             .exit_code == 0);
   }
   const ProgramResult run = raylab_bench({"report", folder.path().string()});
-  if (run.err.find("no python3 with matplotlib") != std::string::npos) {
+  if (run.err.find("no python3 with matplotlib and scipy") != std::string::npos) {
     CHECK(run.exit_code == 1);
-    WARN("left out: python3-matplotlib is not installed");
+    WARN("left out: python3-matplotlib or python3-scipy is not installed");
     return;
   }
   INFO(run.err);
@@ -456,12 +456,12 @@ TEST_CASE("report.py tells a row that does not conform to the schema by its plac
     write_text(folder / "results.json",
                R"({"machine": {}, "rows": [{"suite": "rays"}, {"suite": "ladder")" + fields + "}]}");
     return run_program("/bin/sh", {"-c", R"(for python in python3 /usr/bin/python3; do
-                                              $python -c 'import matplotlib' 2> /dev/null && exec $python "$@"
+                                              $python -c 'import matplotlib, scipy' 2> /dev/null && exec $python "$@"
                                             done; exit 127)",
                                    "sh", RAYLAB_SOURCE_DIR "/bench/report/report.py", folder.path().string()});
   };
   if (report("").exit_code == 127) {
-    WARN("left out: python3-matplotlib is not installed");
+    WARN("left out: python3-matplotlib or python3-scipy is not installed");
     return;
   }
   const std::pair<const char*, const char*> faults[] = {

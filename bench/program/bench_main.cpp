@@ -211,7 +211,7 @@ CLI::App* add_report(CLI::App& app, ReportOptions& options) {
   CLI::App* command = app.add_subcommand("report", "Charts and index.html of a folder of results");
   command->add_option("folder", options.folder, "Folder of results")->required();
   command->add_flag("--png", options.png, "Charts as PNG too");
-  command->add_option("--python", options.python, "A Python that has matplotlib (default: the one found)");
+  command->add_option("--python", options.python, "A Python that has matplotlib and scipy (default: the one found)");
   return command;
 }
 

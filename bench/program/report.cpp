@@ -11,14 +11,16 @@ namespace raylab::bench {
 
 namespace {
 
-/// A Python that has matplotlib: the one in PATH need not be the distribution's, for which it is packaged.
+/// A Python that has matplotlib and scipy: the one in PATH need not be the distribution's, for which they are packaged.
 std::string find_python() {
   for (const char* python : {"python3", "/usr/bin/python3"}) {
-    const std::string probe = "import importlib.util, sys; sys.exit(importlib.util.find_spec('matplotlib') is None)";
+    const std::string probe =
+        "import importlib.util, sys; sys.exit(None in map(importlib.util.find_spec, ['matplotlib', 'scipy']))";
     if (run_program({python, "-c", probe}, true) == 0) return python;
   }
   throw Error(ErrorKind::failure, "report",
-              "no python3 with matplotlib; install it (Debian: apt-get install python3-matplotlib)");
+              "no python3 with matplotlib and scipy; install them (Debian: apt-get install python3-matplotlib "
+              "python3-scipy)");
 }
 
 }  // namespace

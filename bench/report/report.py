@@ -3,7 +3,7 @@
 
     bench/report/report.py DIR [--png]
 
-Called by `raylab-bench report DIR`. Needs matplotlib (Debian package python3-matplotlib).
+Called by `raylab-bench report DIR`. Needs matplotlib and scipy (Debian packages python3-matplotlib, python3-scipy).
 """
 
 import argparse
@@ -12,15 +12,20 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
-import ladder_charts  # noqa: E402
-import needs_charts  # noqa: E402
-import page  # noqa: E402
-import process_charts  # noqa: E402
-import rays_charts  # noqa: E402
-import render_charts  # noqa: E402
-import rows  # noqa: E402
-import scale_charts  # noqa: E402
-import style  # noqa: E402
+try:
+    import intervals  # noqa: F401
+    import ladder_charts
+    import needs_charts
+    import page
+    import process_charts
+    import rays_charts
+    import render_charts
+    import rows
+    import scale_charts
+    import style
+except ModuleNotFoundError as missing:
+    print(f"report.py: no module {missing.name}; Debian: apt-get install python3-{missing.name}", file=sys.stderr)
+    sys.exit(1)
 
 SUITES = [rays_charts, ladder_charts, render_charts, scale_charts, needs_charts, process_charts]
 
