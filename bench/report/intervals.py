@@ -1,5 +1,6 @@
 """What a count or a few repeats tell, by scipy: intervals, and which of many rows differ."""
 
+import numpy
 from scipy.stats import binom, binomtest, fisher_exact
 
 LEVEL = 0.95
@@ -7,7 +8,8 @@ LEVEL = 0.95
 
 def proportion(count, trials):
     """Clopper and Pearson's interval of the probability behind a count, at 95%."""
-    interval = binomtest(count, trials).proportion_ci(LEVEL, method="exact")
+    with numpy.errstate(divide="ignore"):  # of the p-value, which nobody asks for
+        interval = binomtest(count, trials).proportion_ci(LEVEL, method="exact")
     return interval.low, interval.high
 
 

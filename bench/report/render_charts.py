@@ -1,134 +1,231 @@
-"""Whole pictures: error against time, time to a given error, and where pictures differ."""
+"""Whole pictures: speed against accuracy, time to a given error, and where pictures differ."""
 
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+import math
+
+from matplotlib.image import imread
 
 import style
+from rays_charts import front
+from style import number
 
-SAMPLER_STYLES = {"sobol": "-", "independent": "--"}
+SAMPLER_LINES = {"independent": "--"}
 INTEGRATOR_MARKERS = {"path": "o", "book": "X"}
+USUAL = {"integrator": "path", "sampler": "sobol", "ray_offset": "bounds"}
+DIMENSIONS = {"accel": "accelerator", "intersector": "triangle test", "quality": "build quality",
+              "ray_offset": "offset of rays", "sampler": "sampler", "integrator": "strategy"}
 
 
 def name_of(row):
-    """What sets a way of rendering apart: the usual integrator and sampler go without saying."""
+    """What sets a way of rendering apart: what is usual goes without saying."""
     if row.get("renderer"):
-        return f"Mitsuba 3 ({row['renderer'].split()[-1]})"
-    extras = [row.get("integrator", "path")] * (row.get("integrator", "path") != "path")
-    extras += [row.get("sampler", "sobol")] * (row.get("sampler", "sobol") != "sobol")
-    return style.variant(row) + (", " + ", ".join(extras) if extras else "")
+        return row["renderer"]
+    unusual = [row[field] for field, usual in USUAL.items() if row.get(field, usual) != usual]
+    return ", ".join([style.variant(row), *unusual])
 
 
-def by_scene(rows):
-    scenes = {}
+def look_of(row):
+    """Of the usual way: its accelerator's."""
+    if name_of(row) == style.variant(row):
+        return style.look_of(row)
+    return style.look(name_of(row), row["accel"], INTEGRATOR_MARKERS.get(row.get("integrator"), "s"),
+                      SAMPLER_LINES.get(row.get("sampler"), "-"))
+
+
+def by_way(rows):
+    ways = {}
     for row in rows:
-        scenes.setdefault(row["scene"], []).append(row)
-    return scenes
+        ways.setdefault(name_of(row), []).append(row)
+    return ways
 
 
-def plain_number(x, _=None):
-    return f"{x:g}" if 1e-4 <= x < 1e5 else f"{x:.0e}"
-
-
-def number_decades(side):
-    """Numbers along a logarithmic axis: at the decades, and between them where there are few."""
-    low, high = side.get_view_interval()
-    between = (1.0, 2.0, 5.0) if high < 50.0 * low else (1.0,)
-    side.set_major_locator(LogLocator(subs=between, numticks=7))
-    side.set_major_formatter(FuncFormatter(plain_number))
-    side.set_minor_formatter(NullFormatter())
-
-
-def convergence(results, scenes):
+def pictures(results, scenes, targets):
+    """relMSE against seconds with the Pareto line; hollow where the target is only extrapolated to."""
     figure, axes = style.panels(len(scenes), 3, width=4.4, height=4.0)
     for axis, (scene, rows) in zip(axes, scenes.items()):
-        ways = {}
-        for row in rows:
-            ways.setdefault(name_of(row), []).append(row)
-        for name, points in ways.items():
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        goals = by_way(targets.get(scene, []))
+        for name, points in by_way(rows).items():
             points.sort(key=lambda row: row["spp"])
-            row = points[0]
+            look = look_of(points[0])
             axis.errorbar([p["seconds"] for p in points], [p["relmse"] for p in points],
                           yerr=[[min(p.get("relmse_error", 0.0), 0.9 * p["relmse"]) for p in points],
                                 [p.get("relmse_error", 0.0) for p in points]],
                           xerr=[[p["seconds"] - p["seconds_min"] for p in points],
                                 [p["seconds_max"] - p["seconds"] for p in points]],
-                          color=style.color(row["accel"]), linestyle=SAMPLER_STYLES.get(row.get("sampler", "sobol"), "-"),
-                          marker=INTEGRATOR_MARKERS.get(row.get("integrator", "path"), "s"), markersize=5, capsize=2,
-                          elinewidth=0.8, linewidth=1.3, alpha=0.9, label=name)
-        axis.axhline(rows[0]["reference_relmse"], color="#999999", linestyle=":", linewidth=1,
-                     label="the reference's own relMSE")
-        axis.set_xscale("log")
-        axis.set_yscale("log")
+                          color=look.color, linestyle=look.line, marker=look.marker, markersize=5, capsize=2,
+                          elinewidth=0.8, linewidth=1.3, alpha=0.9)
+            end = (points[-1]["seconds"], points[-1]["relmse"])
+            for goal in goals.get(name, []):
+                if goal.get("extrapolated"):
+                    axis.plot([end[0], goal["seconds"]], [end[1], goal["relmse"]], color=look.color, linestyle=":", linewidth=1)
+                    axis.plot(goal["seconds"], goal["relmse"], **look.dot(hollow=True))
+                    end = (goal["seconds"], goal["relmse"])
+            style.label_end(axis, *end, name, look.color)
+        edge = front([(row["seconds"], row["relmse"]) for row in rows])
+        axis.step(*zip(*edge), where="post", color=style.GREY, linestyle=":", linewidth=1, zorder=0)
+        low = min(axis.get_ylim()[0], rows[0]["reference_relmse"] / 2.0)
+        axis.axhspan(low, rows[0]["reference_relmse"], color=style.ZONE, zorder=-1)
+        axis.set_ylim(bottom=low)
         for side in (axis.xaxis, axis.yaxis):
-            number_decades(side)
-        size = f"{rows[0]['width']} × {rows[0]['height']}"
+            style.logarithmic(side)
         spp = sorted({row["spp"] for row in rows})
-        axis.set_title(f"{scene}, {size}, {rows[0]['threads']} threads\n{', '.join(map(str, spp))} samples per pixel",
-                       fontsize=10)
+        axis.set_title(f"{scene}, {rows[0]['width']} × {rows[0]['height']}, {rows[0]['threads']} threads\n"
+                       f"{', '.join(map(str, spp))} samples per pixel", fontsize=10)
         axis.set_xlabel("seconds of rendering")
-    axes[0].set_ylabel("relMSE")
-    style.finish(figure, "Error against time (down and to the left is better)", results, ["render"],
-                 style.legend_of(axes), legend_columns=4)
+        axis.set_ylabel("relMSE")
+    style.finish(figure, "Whole pictures: speed against accuracy (down and to the left is better)", results)
     return figure
+
+
+def varied(scenes):
+    """In what the ways of rendering differ, and in what they do not, as a sentence."""
+    rows = [row for rows in scenes.values() for row in rows if not row.get("renderer")]
+    differ = [name for field, name in DIMENSIONS.items() if len({row.get(field) for row in rows}) > 1]
+    same = [name for field, name in DIMENSIONS.items() if name not in differ]
+    return (f"The ways of rendering differ in {', '.join(differ) or 'nothing'}"
+            + (f"; no row here varies {', '.join(same)}." if same else "."))
+
+
+def cheapest(scenes):
+    """The way with the least error × seconds at most samples, as a sentence; those within the noise are named too."""
+    parts = []
+    for scene, rows in scenes.items():
+        price = {}
+        for name, points in by_way(rows).items():
+            last = max(points, key=lambda row: row["spp"])
+            error = last.get("relmse_error", 0.0)
+            price[name] = [last["relmse"] * last["seconds"], (last["relmse"] - 2 * error) * last["seconds_min"],
+                           (last["relmse"] + 2 * error) * last["seconds_max"]]
+        best = min(price, key=lambda name: price[name][0])
+        tied = [name for name in price if name != best and price[name][1] <= price[best][2]]
+        worst = max(price, key=lambda name: price[name][0])
+        text = f"on {scene} {best}" + (f" (not to be told from {' and '.join(tied)})" if tied else "")
+        parts.append(text + (f", where {worst} takes {number(price[worst][0] / price[best][0])} times as long for the "
+                             "same error" if worst != best and worst not in tied else ""))
+    return "The least error for its time: " + "; ".join(parts) + "."
+
+
+def dots(axis, rows, names, values, looks, text):
+    """A row of the axis for each: a dot, hollow where it is extrapolated, and its text beside it."""
+    for place, (row, value, look) in enumerate(zip(rows, values, looks)):
+        axis.plot(value, place, **look.dot(hollow=row.get("extrapolated", False)))
+        axis.annotate(text(row, value), (value, place), (8, 0), textcoords="offset points", va="center", fontsize=8)
+    axis.set_yticks(range(len(rows)), names)
+    axis.set_ylim(len(rows) - 0.4, -0.6)
+
+
+def room_for_text(axis, values):
+    """Logarithmic limits across that leave room for the texts beside the dots."""
+    low, high = min(values), max(values)
+    axis.set_xscale("log")
+    axis.set_xlim(low / 1.5, high * 1.5 * (high / low * 2.0) ** 0.9)
+    style.logarithmic(axis.xaxis)
 
 
 def time_to_error(results, scenes):
-    rows_most = max(len(rows) for rows in scenes.values())
-    figure, axes = style.panels(len(scenes), 3, width=4.6, height=0.8 + 0.3 * rows_most)
+    most = max(len(rows) for rows in scenes.values())
+    figure, axes = style.panels(len(scenes), 3, width=4.6, height=0.8 + 0.3 * most)
     for axis, (scene, rows) in zip(axes, scenes.items()):
-        rows = sorted(rows, key=lambda row: -row["seconds"])
-        names = [name_of(row) for row in rows]
-        bars = axis.barh(names, [row["seconds"] for row in rows], color=[style.color(row["accel"]) for row in rows],
-                         height=0.7)
-        axis.bar_label(bars, [f" {row['seconds']:.3g} s{' *' if row.get('extrapolated') else ''}" for row in rows],
-                       fontsize=8)
-        axis.set_xscale("log")
-        low, high = min(row["seconds"] for row in rows), max(row["seconds"] for row in rows)
-        axis.set_xlim(low / 2.0, high * (high / low) ** 0.35 * 2.0)
-        number_decades(axis.xaxis)
-        axis.grid(False, axis="y")
+        rows = sorted(rows, key=lambda row: row["seconds"])
+        dots(axis, rows, [name_of(row) for row in rows], [row["seconds"] for row in rows], map(look_of, rows),
+             lambda row, value: f"{number(value)} s" + (", extrapolated" if row.get("extrapolated") else ""))
+        room_for_text(axis, [row["seconds"] for row in rows])
         axis.set_title(f"{scene}: relMSE {rows[0]['target_relmse']:g}")
         axis.set_xlabel("seconds")
-    style.finish(figure, "Time to a given error (* extrapolated: error × seconds constant)", results, ["render"])
+    style.finish(figure, "Time to a given error (hollow: extrapolated)", results)
     return figure
+
+
+def reached(scenes):
+    """How many of the times were reached, and how far apart the first and the last are."""
+    rows = [row for rows in scenes.values() for row in rows]
+    beyond = sum(bool(row.get("extrapolated")) for row in rows)
+    parts = []
+    for scene, mine in scenes.items():
+        first, last = (edge(mine, key=lambda row: row["seconds"]) for edge in (min, max))
+        parts.append(f"on {scene} {name_of(first)} in {number(first['seconds'])} s"
+                     + (f", {name_of(last)} last in {number(last['seconds'])} s" if last is not first else ""))
+    return (f"Interpolated between measured points: {len(rows) - beyond} of {len(rows)}; extrapolated beyond the last: "
+            f"{beyond}. First: {'; '.join(parts)}.")
 
 
 def differences(results, scenes):
     """Share of pixels that differ at equal random numbers."""
-    figure, axes = style.panels(len(scenes), 3, width=4.2, height=2.0)
+    most = max(len(rows) for rows in scenes.values())
+    figure, axes = style.panels(len(scenes), 3, width=4.4, height=0.9 + 0.3 * most)
     for axis, (scene, rows) in zip(axes, scenes.items()):
         shares = [100.0 * row["different_pixels"] / row["pixels"] for row in rows]
-        bars = axis.barh([style.variant(row) for row in rows], shares,
-                         color=[style.color(row["accel"]) for row in rows], height=0.7)
-        axis.bar_label(bars, [f" {share:.2g}%, relMSE {row['relmse']:.1g}" for share, row in zip(shares, rows)],
-                       fontsize=8)
-        axis.set_xlim(0.0, 2.0 * max(shares + [0.01]))
-        axis.grid(False, axis="y")
+        dots(axis, rows, [style.variant(row) for row in rows], shares, map(style.look_of, rows),
+             lambda row, share: f"{number(share)}%, relMSE {row['relmse']:.1g}" if share else "none")
+        axis.set_xlim(-0.05 * max(shares + [0.01]), 2.0 * max(shares + [0.01]))
         axis.set_title(f"{scene} against {rows[0]['against']}, {rows[0]['spp']} spp", fontsize=10)
         axis.set_xlabel("% of pixels that differ by more than 0.1%")
-    style.finish(figure, "Pictures of two accelerators at equal random numbers", results, ["render"])
+    style.finish(figure, "Pictures of two accelerators at equal random numbers", results)
     return figure
 
 
-def charts(results):
+FULL_SCALE = 10.0  # % of relative error that a picture of differences shows as white
+
+
+def where(results, folder, rows):
+    """A dot at each pixel that differs, larger than the pixel and coloured by how much."""
+    figure, axes = style.panels(len(rows), 3, width=3.8, height=3.4)
+    for axis, row in zip(axes, rows):
+        picture = imread(folder / row["picture"])[..., :3]
+        error = FULL_SCALE * picture.sum(axis=2) / 3.0  # a third of the ramp in each of red, green and blue
+        ys, xs = error.nonzero()
+        marks = axis.scatter(xs, ys, c=[max(math.log10(e), -2.0) for e in error[ys, xs]], cmap="viridis_r", vmin=-2.0,
+                             vmax=1.0, s=14, linewidths=0.3, edgecolors=style.INK)
+        axis.set_xlim(0, picture.shape[1])
+        axis.set_ylim(picture.shape[0], 0)
+        axis.set_aspect("equal")
+        axis.set_xticks([])
+        axis.set_yticks([])
+        for side in ("top", "right"):
+            axis.spines[side].set_visible(True)
+        axis.set_title(f"{row['scene']}: {style.variant(row)}\nagainst {row['against']}", fontsize=9)
+        bar = figure.colorbar(marks, ax=axis, fraction=0.04, ticks=[-2.0, -1.0, 0.0, 1.0])
+        bar.ax.set_yticklabels(["0.01%", "0.1%", "1%", "≥ 10%"], fontsize=7)
+    style.finish(figure, "Where pictures differ at equal random numbers", results)
+    return figure
+
+
+def most_different(scenes):
+    rows = [row for rows in scenes.values() for row in rows]
+    same = [row for row in rows if row["different_pixels"] == 0]
+    most = max(rows, key=lambda row: row["different_pixels"] / row["pixels"])
+    says = f"{len(same)} of {len(rows)} pictures are the same in every pixel within 0.1%"
+    if most not in same:
+        says += (f"; most differ {style.variant(most)} and {most['against']} on {most['scene']}: "
+                 f"{most['different_pixels']} of {most['pixels']:,} pixels, relMSE {number(most['relmse'])}")
+    return says + "."
+
+
+def charts(results, folder):
     rows = [row for row in results["rows"] if row["suite"] == "render"]
-    measured = by_scene(row for row in rows if "question" not in row and "reference_relmse" in row)
+    measured = style.by_scene(row for row in rows if "question" not in row and "reference_relmse" in row)
+    targets = style.by_scene(row for row in rows if row.get("question") == "time to error")
     if measured:
-        yield ("convergence", "relMSE against the seconds of rendering: mean of independent runs with its standard error; "
-               "seconds: median and range. Below the dotted line the reference is the noisier of the two. Unless it is "
-               "said, the integrator is path and the sampler sobol.", convergence(results, measured))
-    targets = by_scene(row for row in rows if row.get("question") == "time to error")
+        yield style.Chart("convergence", cheapest(measured),
+                          varied(measured) + " relMSE: mean of independent runs with its standard error; seconds: median "
+                          "and range. In the shaded zone the reference is the noisier of the two, so nothing can be "
+                          "measured there. A hollow mark on a dotted line is where error × seconds = constant would reach "
+                          "the target error: it is extrapolated. No measured point beats those on the grey dotted Pareto "
+                          "line in both. Unless it is said, integrator and sampler are path and sobol.",
+                          lambda: pictures(results, measured, targets))
     if targets:
-        yield ("time-to-error", "Seconds to a given relMSE, interpolated between the measured points.",
-               time_to_error(results, targets))
-    different = by_scene(row for row in rows if row.get("question") == "difference")
+        yield style.Chart("time-to-error", reached(targets), "Filled marks are interpolated between two measured points; "
+                          "hollow marks are extrapolated as if error × seconds were constant, and not measured.",
+                          lambda: time_to_error(results, targets))
+    different = style.by_scene(row for row in rows if row.get("question") == "difference")
     if different:
-        yield ("differences", "Same scene, same random numbers, another accelerator: what is left is what the "
-               "accelerators do differently.", differences(results, different))
-
-
-def pictures(results):
-    """(file, caption) of the pictures of differences."""
-    for row in results["rows"]:
-        if row.get("picture"):
-            yield (row["picture"], f"{row['scene']}: {style.variant(row)} against {row['against']}; relative error, white "
-                   "is 10% and more")
+        yield style.Chart("differences", most_different(different), "Same scene, same random numbers, another "
+                          "accelerator: what is left is what the accelerators do differently.",
+                          lambda: differences(results, different))
+    seen = [row for rows in different.values() for row in rows
+            if row["different_pixels"] and (folder / row.get("picture", "")).is_file()]
+    if seen:
+        yield style.Chart("where", f"{len(seen)} pictures differ somewhere; each dot is a pixel that does.",
+                          "Dots are enlarged to be seen; their colour is the pixel's relative error, in powers of ten from "
+                          "0.01% to 10%, so that an error of 0.01% is seen as if it were 10,000 times as large.", lambda: where(results, folder, seen))

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the charts of a folder of results, from its results.json alone, and index.html that shows them.
+"""Draws the charts of a folder of results, from its results.json alone, and index.html that
+shows them beneath the tables that answer first.
 
     bench/report/report.py DIR [--png]
 
@@ -13,7 +14,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 try:
-    import intervals  # noqa: F401
+    import answers
     import ladder_charts
     import needs_charts
     import page
@@ -27,7 +28,15 @@ except ModuleNotFoundError as missing:
     print(f"report.py: no module {missing.name}; Debian: apt-get install python3-{missing.name}", file=sys.stderr)
     sys.exit(1)
 
-SUITES = [rays_charts, ladder_charts, render_charts, scale_charts, needs_charts, process_charts]
+SUITES = [rays_charts, ladder_charts, scale_charts, needs_charts, process_charts]
+
+
+def charts_of(results, folder):
+    """All charts, those of whole pictures after those of rays."""
+    for suite in SUITES:
+        yield from suite.charts(results)
+        if suite is rays_charts:
+            yield from render_charts.charts(results, folder)
 
 
 def main():
@@ -36,15 +45,17 @@ def main():
     parser.add_argument("--png", action="store_true", help="also as PNG")
     options = parser.parse_args()
     file = options.folder / "results.json"
-    shown = []
     try:
         results = rows.read_results(file)
-        for suite in SUITES:
-            for name, caption, figure in suite.charts(results):
-                style.save(figure, options.folder, name, options.png)
-                shown.append((name, caption))
-        page.write(options.folder, results, shown, list(render_charts.pictures(results)),
-                   [part for suite in SUITES if hasattr(suite, "tables") for part in suite.tables(results)])
+        figures = []
+        for chart in charts_of(results, options.folder):
+            drawings = {shape: style.drawn(chart, shape == "narrow") for shape in ("wide", "narrow")}
+            (options.folder / f"{chart.name}.svg").write_text(drawings["wide"], encoding="utf-8")
+            if options.png:
+                style.save(chart.draw(), options.folder / f"{chart.name}.png", "png")
+            figures.append(page.figure(chart, drawings))
+        tables = [part for suite in SUITES if hasattr(suite, "tables") for part in suite.tables(results)]
+        page.write(options.folder, results, answers.html(results), figures, tables)
     except (rows.RowError, ValueError) as error:
         print(f"report.py: {file}: {error}", file=sys.stderr)
         return 3

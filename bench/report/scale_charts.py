@@ -2,87 +2,162 @@
 
 import math
 
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import MaxNLocator
 
 import style
+from style import number
 
 METRICS = [
     ("build, seconds, one thread", lambda row: row["build_seconds"]),
-    ("bytes per triangle", lambda row: row["bytes"] / row["triangles"]),
-    ("million rays per second, singly", lambda row: row["mrays_per_second"]["median"]),
-    ("million rays per second, in batches", lambda row: row.get("mrays_per_second_batch", {}).get("median", math.nan)),
+    ("bytes a triangle", lambda row: row["bytes"] / row["triangles"]),
+    ("million rays a second, single", lambda row: row["mrays_per_second"]["median"]),
+    ("million rays a second, batch", lambda row: row.get("mrays_per_second_batch", {}).get("median", math.nan)),
 ]
-SPEEDS = (2, 3)
+WRONG = {2: "wrong", 3: "wrong_batch"}  # of the metrics that are speeds
 
 
-def plain(x, _=None):
-    return f"{x:g}"
+def by_way(rows):
+    ways = {}
+    for row in sorted(rows, key=lambda row: row["triangles"]):
+        ways.setdefault(style.variant(row), []).append(row)
+    return ways
 
 
-def growth(results, rows):
-    families = list(dict.fromkeys(row["scene"] for row in rows))
+def growth(results, families):
     figure, axes = style.panels(len(families) * len(METRICS), len(METRICS), width=3.6, height=2.7)
-    for i, family in enumerate(families):
+    for i, (family, rows) in enumerate(families.items()):
         for j, (label, metric) in enumerate(METRICS):
             axis = axes[i * len(METRICS) + j]
-            mine = [row for row in rows if row["scene"] == family]
-            for name in dict.fromkeys(style.variant(row) for row in mine):
-                points = sorted((row for row in mine if style.variant(row) == name), key=lambda row: row["triangles"])
-                xs = [row["triangles"] for row in points]
-                axis.plot(xs, [metric(row) for row in points], marker=style.MARKERS.get(points[0].get("intersector", ""), "D"),
-                          markersize=4, color=style.color(points[0]["accel"]), label=name)
-                # A ring around what was wrong: speed alone would praise it.
-                wrong = [(row["triangles"], metric(row)) for row in points if row["wrong"] > 0]
-                if wrong and j in SPEEDS:
-                    axis.plot(*zip(*wrong), marker="o", markersize=11, markerfacecolor="none", color="#CC0000",
-                              linestyle="none", label="some answers were wrong")
             axis.set_xscale("log")
-            axis.xaxis.set_minor_formatter(NullFormatter())
-            if j != 1:
-                axis.set_yscale("log")
-                axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-                axis.yaxis.set_minor_locator(NullLocator())
-                axis.yaxis.set_major_formatter(FuncFormatter(plain))
-            else:
+            for name, points in by_way(rows).items():
+                look = style.look_of(points[0])
+                points = [row for row in points if not math.isnan(metric(row))]
+                if not points:
+                    continue
+                xs, ys = [row["triangles"] for row in points], [metric(row) for row in points]
+                axis.plot(xs, ys, marker=look.marker, markersize=4, color=look.color, linestyle=look.line)
+                style.label_end(axis, xs[-1], ys[-1], name, look.color)
+                # A ring around what was wrong: speed alone would praise it.
+                if wrong := [(x, y) for x, y, row in zip(xs, ys, points) if row.get(WRONG.get(j), 0) > 0]:
+                    axis.plot(*zip(*wrong), marker="o", markersize=11, markerfacecolor="none", color=style.VERMILION,
+                              linestyle="none", label="ring: some answers were wrong")
+            if j == 1:
                 axis.set_ylim(bottom=0.0)
+            else:
+                axis.set_yscale("log")
+                style.logarithmic(axis.yaxis)
+            style.logarithmic(axis.xaxis)
             axis.set_title(f"{family}: {label}", fontsize=9)
             axis.set_xlabel("triangles", fontsize=9)
-    checked = max(row["rays_checked"] for row in rows)
-    style.finish(figure, f"Growth with the number of triangles ({checked:,} rays of each checked)", results, ["scale"],
-                 style.legend_of(axes), legend_columns=5)
+    style.finish(figure, "Growth with the number of triangles", results, style.legend_of(axes))
     return figure
 
 
-def threads(results, rows):
-    # Only sizes that were run with more than one number of threads.
-    several = {(row["scene"], row["triangles"]) for row in rows if row["threads"] > 1}
-    families = list(dict.fromkeys(scene for scene, _ in sorted(several)))
-    figure, axes = style.panels(len(families), 3, width=4.0, height=3.0)
-    for axis, family in zip(axes, families):
-        mine = [row for row in rows if (row["scene"], row["triangles"]) in several and row["scene"] == family]
-        for name in dict.fromkeys(style.variant(row) for row in mine):
-            points = sorted((row for row in mine if style.variant(row) == name), key=lambda row: row["threads"])
-            one = points[0]
-            xs = [row["threads"] for row in points]
-            axis.plot(xs, [row["mrays_per_second_wall"]["median"] / one["mrays_per_second_wall"]["median"] for row in points],
-                      marker="o", color=style.color(one["accel"]), label=f"{name}, trace")
-            axis.plot(xs, [one["build_seconds"] / row["build_seconds"] for row in points], marker="s", linestyle="--",
-                      color=style.color(one["accel"]), label=f"{name}, build")
-        most = max(row["threads"] for row in mine)
-        axis.plot([1, most], [1, most], color="#999999", linestyle=":", label="ideal")
-        axis.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axis.set_title(f"{family}, {mine[0]['triangles']:,} triangles")
-        axis.set_xlabel("threads")
-    axes[0].set_ylabel("times as fast as one thread")
-    style.finish(figure, "Growth with threads", results, ["scale"], style.legend_of(axes), legend_columns=5)
+def fastest(families):
+    """The fastest at the largest size of each family, as a sentence with what was wrong."""
+    parts = []
+    for family, rows in families.items():
+        most = max(row["triangles"] for row in rows)
+        last = [row for row in rows if row["triangles"] == most]
+        best = max(last, key=lambda row: row["mrays_per_second"]["median"])
+        parts.append(f"on {family} {style.variant(best)} ({number(best['mrays_per_second']['median'])} million a second)")
+    rows = [row for rows in families.values() for row in rows]
+    wrong = sum(row["wrong"] > 0 for row in rows)
+    return (f"The fastest with single rays at the largest size: {'; '.join(parts)}. {wrong or 'None'} of {len(rows)} "
+            "measurements had wrong answers.")
+
+
+def quotient(over, under):
+    """The ratio of two medians whose runs were not paired, in the widest limits that their ranges allow."""
+    return {"median": over["median"] / under["median"], "min": over["min"] / under["max"], "max": over["max"] / under["min"]}
+
+
+def build_speed(row):
+    return {"median": 1.0 / row["build_seconds"], "min": 1.0 / row["build_seconds_max"], "max": 1.0 / row["build_seconds_min"]}
+
+
+def speedups(results):
+    """{scene: [(name, what, threads, {median, min, max}, whether the runs were paired, a row for its look)]}"""
+    found = {}
+    for row in results["rows"]:
+        if row["suite"] == "threads" and row["processes"] == 1 and row["threads"] > 1:
+            found.setdefault(row["scene"], []).append(("render", row["speedup"], True, row))
+    families = style.by_scene(row for row in results["rows"] if row["suite"] == "scale")
+    for family, rows in families.items():
+        for row in (row for row in rows if row["threads"] > 1):
+            one = next((r for r in rows if r["threads"] == 1 and r["triangles"] == row["triangles"]
+                        and style.variant(r) == style.variant(row)), None)
+            if one is None:
+                continue
+            paired = row.get("speedup")
+            trace = paired or quotient(row["mrays_per_second_wall"], one["mrays_per_second_wall"])
+            found.setdefault(f"{family}, {row['triangles']:,} triangles", []).extend(
+                [("trace", trace, paired is not None, row), ("build", quotient(build_speed(row), build_speed(one)), False, row)])
+    return found
+
+
+def is_implausible(speedup, threads):
+    """More than so many threads can give, in its whole interval; of one run there is no interval to judge by."""
+    return speedup["max"] > speedup["min"] > threads
+
+
+def figure_of(speedup, threads):
+    text = f"{speedup['median']:.2f}"
+    if speedup["min"] == speedup["max"]:
+        return f"{text}, one run"
+    return f"{text}, implausible" if is_implausible(speedup, threads) else text
+
+
+def threads(results, scenes):
+    most = max(len(measured) for measured in scenes.values())
+    figure, axes = style.panels(len(scenes), 2, width=5.6, height=0.9 + 0.27 * most)
+    for axis, (scene, measured) in zip(axes, scenes.items()):
+        names = []
+        for place, (what, speedup, paired, row) in enumerate(measured):
+            look = style.look_of(row)
+            axis.errorbar(speedup["median"], place, xerr=[[speedup["median"] - speedup["min"]],
+                                                          [speedup["max"] - speedup["median"]]],
+                          elinewidth=1, capsize=2, **look.dot(hollow=not paired))
+            axis.annotate(figure_of(speedup, row["threads"]), (1.01, place), xycoords=("axes fraction", "data"), va="center", fontsize=8,
+                          annotation_clip=False)
+            names.append(f"{style.variant(row)}, {what}, {row['threads']} threads")
+        for limit in sorted({row["threads"] for *_, row in measured}):
+            axis.axvline(limit, color=style.GREY, linestyle=":", linewidth=1)
+        axis.set_yticks(range(len(names)), names, fontsize=8)
+        axis.set_ylim(len(names) - 0.4, -0.6)
+        axis.set_xlim(left=0.0)
+        axis.xaxis.set_major_locator(MaxNLocator(5))
+        axis.set_title(scene, fontsize=10)
+        axis.set_xlabel("times as fast as one thread")
+    style.finish(figure, "Growth with threads (dotted: the number of threads)", results)
     return figure
+
+
+def says_threads(scenes):
+    every = [(what, speedup, paired, row) for measured in scenes.values() for what, speedup, paired, row in measured]
+    medians = [speedup["median"] / row["threads"] for _, speedup, _, row in every]
+    beyond = [speedup["median"] > row["threads"] for _, speedup, _, row in every]
+    implausible = sum(is_implausible(speedup, row["threads"]) for _, speedup, _, row in every)
+    alone = sum(not paired for _, _, paired, _ in every)
+    says = (f"Of what their threads can give, {len(every)} measurements reach {100 * min(medians):.0f}% to "
+            f"{100 * max(medians):.0f}%.")
+    if any(beyond):
+        says += (f" Medians beyond the number of threads, which only noise can give: {sum(beyond)}; with the whole interval, "
+                 f"which is implausible: {implausible}.")
+    if alone:
+        says += (f" From runs that were not paired, so that a change of the machine's speed between them counts as the "
+                 f"threads': {alone}.")
+    return says
 
 
 def charts(results):
-    rows = [row for row in results["rows"] if row["suite"] == "scale"]
-    single = [row for row in rows if row["threads"] == 1]
+    single = style.by_scene(row for row in results["rows"] if row["suite"] == "scale" and row["threads"] == 1)
     if single:
-        yield ("growth", "Build, memory and speed against the number of triangles, for geometry of one character each. A "
-               "red ring: some of the checked rays were answered wrongly.", growth(results, single))
-    if any(row["threads"] > 1 for row in rows):
-        yield ("threads", "Speed-up with threads of tracing and of building, at the largest size.", threads(results, rows))
+        checked = min(row["rays_checked"] for rows in single.values() for row in rows)
+        yield style.Chart("growth", fastest(single), "Build, memory and speed against the number of triangles, for geometry "
+                          f"of one character each; {checked:,} rays or more of each were checked.",
+                          lambda: growth(results, single))
+    if scenes := speedups(results):
+        yield style.Chart("threads", says_threads(scenes), "Filled marks: medians of ratios of neighbouring runs, with the "
+                          "range of all pairs; hollow marks: ratios of medians of runs that were not paired, with the "
+                          "widest limits that the runs' ranges allow; of one run there are none.", lambda: threads(results, scenes))

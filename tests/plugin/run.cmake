@@ -17,7 +17,7 @@ run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${work}/prefix)
 
 # The installed scripts are all there, and are the ones that run.
 file(GLOB_RECURSE scripts RELATIVE ${BENCH_DIR} ${BENCH_DIR}/report/*.py ${BENCH_DIR}/report/*.json
-     ${BENCH_DIR}/peers/*.py)
+     ${BENCH_DIR}/report/*.html ${BENCH_DIR}/peers/*.py)
 file(GLOB_RECURSE report ${work}/prefix/share/raylab/report/report.py)
 cmake_path(GET report PARENT_PATH installed)
 foreach(script IN LISTS scripts)

@@ -1,0 +1,177 @@
+"""The tables that open the page: what each accelerator gives on a scene, and what it costs in wrong answers."""
+
+from html import escape
+
+import intervals
+import style
+from markup import Cell, missing, table
+from style import number
+
+SPEED_KINDS = ["primary", "diffuse", "shadow"]
+WRONG_KINDS = {"edge": "edges", "vertex": "vertices"}
+OWN_TESTS = {"rtiow": "book"}  # the triangle test where none is asked for; of the others that have a choice: watertight
+WHY_NOT = {kind: f"no {kind} rays of this scene were measured" for kind in SPEED_KINDS}
+
+
+def ways_of(rows):
+    """The rows of a scene by way (accelerator, triangle test, how it is built) and kind of rays."""
+    ways = {}
+    for row in rows:
+        ways.setdefault(style.variant(row), {})[row["rays"]] = row
+    return ways
+
+
+def tied(spreads):
+    """Which of {median, min, max} cannot be told from the one with the largest median: their ranges meet."""
+    first = max(spreads, key=lambda s: s["median"])
+    return [s["max"] >= first["min"] for s in spreads]
+
+
+def limits(low, high):
+    return f"{number(low)}–{number(high)}"
+
+
+def of_million(wrong, checked):
+    """Wrong answers in a million and their 95% interval, as two texts."""
+    low, high = (1e6 * limit for limit in intervals.proportion(wrong, checked))
+    if wrong == 0:
+        return f"below {number(high)}", f"0 of {checked:,}"
+    return number(1e6 * wrong / checked), limits(low, high)
+
+
+def speed_columns(ways, kind, field):
+    """The cells of a column of speeds, one a way."""
+    known = {name: kinds[kind][field] for name, kinds in ways.items() if field in kinds.get(kind, ())}
+    best = dict(zip(known, tied(list(known.values())))) if known else {}
+    any_kind = any(kind in kinds for kinds in ways.values())
+    why = WHY_NOT[kind] if not any_kind else "no row holds its speed in batches"
+    return [Cell(number(s["median"]), s["median"], limits(s["min"], s["max"]), best[name])
+            if (s := known.get(name)) else missing(why) for name in ways]
+
+
+def wrong_columns(ways, kind):
+    rows = {name: kinds[kind] for name, kinds in ways.items() if kind in kinds}
+    fewest = dict(zip(rows, intervals.as_few([(r["wrong"], r["rays_checked"]) for r in rows.values()]))) if rows else {}
+    cells = []
+    for name in ways:
+        if row := rows.get(name):
+            text, below = of_million(row["wrong"], row["rays_checked"])
+            if row.get("wrong_batch", row["wrong"]) != row["wrong"]:
+                below += f"; in batches {number(1e6 * row['wrong_batch'] / row['rays_checked'])}"
+            cells.append(Cell(text, row["wrong"] / row["rays_checked"], below, fewest[name]))
+        else:
+            cells.append(missing(f"no rays at {WRONG_KINDS[kind]}: the scene has none, or they were not measured"))
+    return cells
+
+
+def least_columns(ways, value, below=lambda row: ""):
+    """A column of which the least is the best, the same for all kinds of rays."""
+    rows = [next(iter(kinds.values())) for kinds in ways.values()]
+    least = min(map(value, rows))
+    return [Cell(number(value(row)), value(row), below(row), value(row) == least) for row in rows]
+
+
+def is_own_test(row):
+    return row.get("intersector") in (None, OWN_TESTS.get(row["accel"], "watertight"))
+
+
+def picture_columns(ways, targets):
+    """Seconds to equal error: rendered with each accelerator's own triangle test, path and sobol."""
+    seconds = {style.variant({**row, "intersector": ""}): row for row in targets
+               if row.get("integrator") == "path" and row.get("sampler") == "sobol"}
+    least = min((row["seconds"] for row in seconds.values()), default=0.0)
+    cells = []
+    for kinds in ways.values():
+        row = next(iter(kinds.values()))
+        if not seconds:
+            cells.append(missing("no whole pictures of this scene were measured"))
+        elif not is_own_test(row):
+            cells.append(missing("whole pictures are rendered with the accelerator's own triangle test"))
+        elif found := seconds.get(style.variant({**row, "intersector": ""})):
+            text = number(found["seconds"])
+            cells.append(Cell(f"≈ {text}", found["seconds"], "extrapolated", found["seconds"] == least)
+                         if found.get("extrapolated") else Cell(text, found["seconds"], "", found["seconds"] == least))
+        else:
+            cells.append(missing("no whole picture was measured with it"))
+    return cells
+
+
+def scene_table(rows, targets):
+    ways = ways_of(rows)
+    first = rows[0]
+    primitive = "triangle" if not first["spheres"] else "primitive"
+    columns = [("accelerator", list(ways))]
+    for kind in SPEED_KINDS:
+        columns += [("single", speed_columns(ways, kind, "mrays_per_second")),
+                    ("batch", speed_columns(ways, kind, "mrays_per_second_batch"))]
+    columns += [(f"at {name}", wrong_columns(ways, kind)) for kind, name in WRONG_KINDS.items()]
+    columns += [
+        ("s", least_columns(ways, lambda row: row["build_seconds"],
+                            lambda row: limits(row["build_seconds_min"], row["build_seconds_max"]))),
+        (f"bytes a {primitive}", least_columns(ways, lambda row: row["bytes"] / (row["triangles"] + row["spheres"]))),
+        (f"s to relMSE {targets[0]['target_relmse']:g}" if targets else "s to equal error",
+         picture_columns(ways, targets))]
+    groups = [("", 1), *((f"{kind}, million a second", 2) for kind in SPEED_KINDS), ("wrong answers in a million", 2),
+              ("build", 1), ("memory", 1), ("whole picture", 1)]
+    return table([head for head, _ in columns], list(zip(*(cells for _, cells in columns))), groups)
+
+
+def summary(scene, rows):
+    """What the rows of a scene say, in a sentence or two."""
+    ways = ways_of(rows)
+    kind = "diffuse" if any("diffuse" in kinds for kinds in ways.values()) else rows[0]["rays"]
+    ways = {name: kinds for name, kinds in ways.items() if kind in kinds}
+    wrong = {name: sum(row["wrong"] for row in kinds.values()) for name, kinds in ways.items()}
+    checked = {name: sum(row["rays_checked"] for row in kinds.values()) for name, kinds in ways.items()}
+
+    def fastest(names):
+        return max(names, key=lambda name: ways[name][kind]["mrays_per_second"]["median"])
+
+    def speed(name):
+        row = ways[name][kind]
+        batch = row.get("mrays_per_second_batch")
+        return (f"{number(row['mrays_per_second']['median'])} million {kind} rays a second"
+                + (f", {number(batch['median'])} in batches" if batch else ""))
+
+    clean = [name for name in ways if wrong[name] == 0]
+    if not clean:
+        best = min(ways, key=lambda name: wrong[name] / checked[name])
+        return (f"{scene}: each way answers some rays wrongly; {best} the fewest, {wrong[best]:,} of {checked[best]:,}, at "
+                f"{speed(best)}.")
+    best, first = fastest(clean), fastest(ways)
+    high = 1e6 * intervals.proportion(0, checked[best])[1]
+    says = (f"{scene}: {len(clean)} of {len(ways)} ways gave no wrong answer to {checked[best]:,} checked rays (below "
+            f"{number(high)} in a million at 95%); the fastest of them is {best}: {speed(best)}.")
+    if first != best:
+        spreads = [ways[name][kind]["mrays_per_second"] for name in (first, best)]
+        told = "cannot be told from it in speed" if all(tied(spreads)) else "is the fastest of all"
+        says += f" {first}, wrong on {wrong[first]:,} of {checked[first]:,}, {told}: {speed(first)}."
+    return says
+
+
+def measured(results):
+    """The rows of the suite rays that were checked, by scene."""
+    return style.by_scene(row for row in results["rows"] if row["suite"] == "rays" and row.get("rays_checked"))
+
+
+def html(results):
+    """The section that opens the page: a table for each scene, the first one open."""
+    scenes = measured(results)
+    if not scenes:
+        return "<p>No single rays were measured yet: <code>raylab-bench rays</code> measures them.</p>"
+    targets = style.by_scene(row for row in results["rows"] if row.get("question") == "time to error")
+    parts = []
+    for scene, rows in scenes.items():
+        inside = f"<p>{escape(summary(scene, rows))}</p>\n{scene_table(rows, targets.get(scene, []))}"
+        title = ", ".join([scene, *(f"{rows[0][kind]:,} {kind}" for kind in ("triangles", "spheres") if rows[0][kind])])
+        parts.append(f"<h2>{escape(title)}</h2>\n{inside}" if not parts else
+                     f"<details><summary>{escape(title)}</summary>\n{inside}\n</details>")
+    repeats = min(row["runs"] for rows in scenes.values() for row in rows)
+    coverage = min(100.0 * intervals.median_coverage(repeats), 99.9)
+    reading = (
+        "Speeds are medians, on one thread; small beneath them the least and the most of all repeats, which hold the "
+        f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false misses, false "
+        "hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. Marked: the best "
+        "of a column, and those that cannot be told from it: speeds whose ranges meet, and counts that Fisher's exact "
+        "test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the renderer sends them.")
+    return "\n".join([*parts[:1], f'<p class="notes">{reading}</p>', *parts[1:]])
