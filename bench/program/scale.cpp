@@ -27,10 +27,15 @@ std::vector<Variant> scale_variants(const ScaleOptions& options) {
   return all;
 }
 
-/// Sends all rays through each accelerator on several threads, interleaved. These have no time of one processor.
-std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
-                                        int threads, const Repeats& repeats, const std::function<bool()>& stopped) {
-  const ThreadLimit limit(threads);
+/// Seconds of the wall clock that an accelerator took on several threads, and on one right before.
+struct ThreadTimes {
+  std::vector<double> several, one;
+};
+
+/// Sends all rays through each accelerator on several threads and on one, in pairs, so that a machine whose speed
+/// drifts changes no ratio.
+std::vector<ThreadTimes> time_on_threads(std::span<const Accelerator* const> accelerators, std::span<const Ray> rays,
+                                         int threads, const Repeats& repeats, const std::function<bool()>& stopped) {
   constexpr std::size_t kBlock = 1024;
   const std::size_t blocks = (rays.size() + kBlock - 1) / kBlock;
   std::vector<double> found(blocks);  // what was found, kept so that no query can be left out
@@ -44,9 +49,27 @@ std::vector<QueryTimes> time_on_threads(std::span<const Accelerator* const> acce
       found[block] = sum;
     });
   };
-  std::vector<QueryTimes> times = time_interleaved(accelerators.size(), repeats, send, stopped);
-  for (QueryTimes& t : times) t.cpu.clear();
+  std::vector<ThreadTimes> times(accelerators.size());
+  const auto pair = [&](std::size_t i) {
+    for (const auto& [count, seconds] : {std::pair{1, &times[i].one}, std::pair{threads, &times[i].several}}) {
+      const ThreadLimit limit(count);
+      const Stopwatch watch;
+      send(i);
+      seconds->push_back(watch.seconds());
+    }
+  };
+  (void)time_interleaved(accelerators.size(), repeats, pair, stopped);
+  for (ThreadTimes& t : times) {
+    t.one.erase(t.one.begin());  // the warm-up
+    t.several.erase(t.several.begin());
+  }
   return times;
+}
+
+Row speedup_of(const ThreadTimes& times) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < times.one.size(); ++i) ratios.push_back(times.one[i] / times.several[i]);
+  return to_row(spread_of(ratios));
 }
 
 /// Holds what all rows of one family and size have in common.
@@ -61,14 +84,11 @@ Row speeds_of(std::size_t rays, const std::vector<double>& seconds) {
   return to_row(spread_of(speeds));
 }
 
-void add_row(Suite& suite, const FamilyContext& context, const Built& built, int threads, const QueryTimes& times,
-             const QueryTimes* batch_times, const HitAccuracy& accuracy) {
-  Row row{{"suite", "scale"}, {"scene", context.name}, {"threads", threads}};
+/// Completes a row that holds its speeds, and adds it.
+void add_row(Suite& suite, const FamilyContext& context, const Built& built, int threads, Row row,
+             const HitAccuracy& accuracy) {
+  row.update({{"suite", "scale"}, {"scene", context.name}, {"threads", threads}});
   add_fields(row, built.variant, context.made.geometry, built);
-  const std::size_t rays = context.made.rays.size();
-  row["mrays_per_second"] = speeds_of(rays, times.cpu.empty() ? times.wall : times.cpu);
-  row["mrays_per_second_wall"] = speeds_of(rays, times.wall);
-  if (batch_times != nullptr) row["mrays_per_second_batch"] = speeds_of(rays, batch_times->cpu);
   row["rays_timed"] = context.made.rays.size();
   add_fields(row, accuracy);
   suite.add({row},
@@ -111,14 +131,27 @@ int scale(const ScaleOptions& options) {
           accelerators.push_back(built.back().accelerator.get());
         }
         const Repeats repeats{options.repeats};
-        const auto times = threads == 1 ? time_queries(accelerators, made.rays, Query::intersect, repeats, stopped)
-                                        : time_on_threads(accelerators, made.rays, threads, repeats, stopped);
-        std::vector<QueryTimes> batch_times;
-        if (threads == 1)
-          batch_times = time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, repeats, stopped);
+        std::vector<Row> speeds;
+        const std::size_t rays = made.rays.size();
+        if (threads == 1) {
+          const auto times = time_queries(accelerators, made.rays, Query::intersect, repeats, stopped);
+          const auto batch_times =
+              time_batch_queries(accelerators, BatchedRays(made.rays), Query::intersect, repeats, stopped);
+          for (std::size_t i = 0; i < built.size(); ++i) {
+            speeds.push_back({{"mrays_per_second", speeds_of(rays, times[i].cpu)},
+                              {"mrays_per_second_wall", speeds_of(rays, times[i].wall)},
+                              {"mrays_per_second_batch", speeds_of(rays, batch_times[i].cpu)}});
+          }
+        } else {
+          for (const ThreadTimes& times : time_on_threads(accelerators, made.rays, threads, repeats, stopped)) {
+            const Row speed = speeds_of(rays, times.several);
+            speeds.push_back(
+                {{"mrays_per_second", speed}, {"mrays_per_second_wall", speed}, {"speedup", speedup_of(times)}});
+          }
+        }
         const auto accuracies = check_hits(accelerators, set, options.checked, suite);
         for (std::size_t i = 0; i < built.size(); ++i) {
-          add_row(suite, context, built[i], threads, times[i], threads == 1 ? &batch_times[i] : nullptr, accuracies[i]);
+          add_row(suite, context, built[i], threads, speeds[i], accuracies[i]);
         }
       }
       suite.advance(static_cast<double>(size));
