@@ -115,7 +115,8 @@ TEST_CASE("raylab-bench render tells the error of each way against one reference
   const Results results = read_results(folder.path());
   const auto measured = rows_where(results, "spp", 4);
   const auto targets = rows_where(results, "question", "time to error");
-  CHECK(targets.size() == 6);
+  CHECK(targets.size() == 7);
+  CHECK(rows_where(results, "ray_offset", "book").size() == 3);  // two numbers of samples, and the time to the error
   double reference = 0.0;
   for (const Row& row : measured) {
     if (row.contains("question")) continue;

@@ -123,6 +123,9 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
   add_choice(*command, options, "(default: those of the usual ways)");
   command->add_option("--integrator", options.integrators, "Integrators, comma separated: path, book")->delimiter(',');
   command->add_option("--sampler", options.samplers, "Samplers, comma separated: sobol, independent")->delimiter(',');
+  command->add_option("--ray-offset", options.ray_offsets, "How rays leave a surface, comma separated: bounds, book")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"bounds", "book"}));
   command->add_option("--spp", options.spp, "Samples per pixel, comma separated")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))

@@ -25,7 +25,7 @@ struct RaysOptions : CommonOptions {
 };
 
 struct RenderSuiteOptions : CommonOptions {
-  std::vector<std::string> integrators, samplers;
+  std::vector<std::string> integrators, samplers, ray_offsets;
   std::vector<int> spp{4, 16, 64};
   int width = 128;
   int threads = 0;

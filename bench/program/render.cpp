@@ -19,20 +19,22 @@ struct Configuration {
   Variant variant;
   std::string integrator = "path";
   std::string sampler = "sobol";
+  std::string ray_offset = "bounds";
 };
 
 /// Returns all combinations of what was asked for; where nothing was, the default configuration and those that
 /// differ from it in one thing.
 std::vector<Configuration> configurations_of(const RenderSuiteOptions& options) {
   std::vector<Configuration> configurations;
-  const bool nothing_named =
-      options.accels.empty() && options.intersectors.empty() && options.integrators.empty() && options.samplers.empty();
+  const bool nothing_named = options.accels.empty() && options.intersectors.empty() && options.integrators.empty() &&
+                             options.samplers.empty() && options.ray_offsets.empty();
   if (nothing_named) {
     CommonOptions defaults = options;
     defaults.accels = {kDefaultAccelerator, "rtiow", "embree", "embree-robust"};
     for (const Variant& variant : variants(defaults, false)) configurations.push_back({variant});
     configurations.push_back({configurations[0].variant, "book", "sobol"});
     configurations.push_back({configurations[0].variant, "path", "independent"});
+    configurations.push_back({configurations[0].variant, "path", "sobol", "book"});
     return configurations;
   }
   const auto or_default = [](const std::vector<std::string>& given, const char* fallback) {
@@ -41,7 +43,9 @@ std::vector<Configuration> configurations_of(const RenderSuiteOptions& options) 
   for (const Variant& variant : variants_or_default(options)) {
     for (const std::string& integrator : or_default(options.integrators, "path")) {
       for (const std::string& sampler : or_default(options.samplers, "sobol")) {
-        configurations.push_back({variant, integrator, sampler});
+        for (const std::string& ray_offset : or_default(options.ray_offsets, "bounds")) {
+          configurations.push_back({variant, integrator, sampler, ray_offset});
+        }
       }
     }
   }
@@ -60,6 +64,7 @@ struct SceneContext {
 RenderOptions options_for(const SceneContext& context, const Configuration& configuration, int spp, int run) {
   RenderOptions o = options_of(context.loaded, context.options.width);
   o.integrator.kind = parse_integrator(configuration.integrator);
+  o.integrator.ray_offset = configuration.ray_offset == "book" ? RayOffset::book : RayOffset::bounds;
   o.sampler = parse_sampler(configuration.sampler);
   o.samples_per_pixel = static_cast<std::uint32_t>(spp);
   o.seed = context.options.seed + 1 + static_cast<std::uint32_t>(run);
@@ -81,6 +86,7 @@ std::string name_of(const Row& row) {
   std::string name = variant_name(row);
   if (row.contains("sampler")) {
     name += ", " + row["integrator"].get<std::string>() + ", " + row["sampler"].get<std::string>();
+    if (row.contains("ray_offset")) name += ", offset of the book";
   }
   return name;
 }
@@ -143,6 +149,7 @@ void measure_configurations(Suite& suite, const SceneContext& context, const std
       Row row = scene_row(context);
       add_fields(row, configurations[i].variant, scene.geometry, built[i]);
       add_fields(row, o);
+      if (o.integrator.ray_offset == RayOffset::book) row["ray_offset"] = "book";
       add_times(row, runs[i].seconds, work_of(o));
       row["cpu_seconds"] = spread_of(runs[i].cpu_seconds).median;
       const double rays = 1e-6 * static_cast<double>(runs[i].rays.total());
@@ -203,7 +210,8 @@ void compare_pictures(Suite& suite, const SceneContext& context, const std::vect
   const RenderOptions o = options_for(context, Configuration(), context.options.spp.front(), 0);
   const Image expected = render_once(suite, scene, *reference, o).image;
   for (std::size_t i = 0; i < configurations.size(); ++i) {
-    const bool is_default = configurations[i].integrator == "path" && configurations[i].sampler == "sobol";
+    const bool is_default = configurations[i].integrator == "path" && configurations[i].sampler == "sobol" &&
+                            configurations[i].ray_offset == "bounds";
     if (!is_default || configurations[i].variant.name() == against) continue;
     const Image image = render_once(suite, scene, *built[i].accelerator, o).image;
     const ImageError error = image_error(image, expected);

@@ -11,6 +11,7 @@ from style import number
 SAMPLER_LINES = {"independent": "--"}
 INTEGRATOR_MARKERS = {"path": "o", "book": "X"}
 USUAL = {"integrator": "path", "sampler": "sobol", "ray_offset": "bounds"}
+UNUSUAL = {"ray_offset": "offset of the book"}
 DIMENSIONS = {"accel": "accelerator", "intersector": "triangle test", "quality": "build quality",
               "ray_offset": "offset of rays", "sampler": "sampler", "integrator": "strategy"}
 
@@ -19,7 +20,7 @@ def name_of(row):
     """What sets a way of rendering apart: what is usual goes without saying."""
     if row.get("renderer"):
         return row["renderer"]
-    unusual = [row[field] for field, usual in USUAL.items() if row.get(field, usual) != usual]
+    unusual = [UNUSUAL.get(field, row[field]) for field, usual in USUAL.items() if row.get(field, usual) != usual]
     return ", ".join([style.variant(row), *unusual])
 
 
