@@ -35,6 +35,8 @@ std::vector<Configuration> configurations_of(const RenderSuiteOptions& options) 
     configurations.push_back({configurations[0].variant, "book", "sobol"});
     configurations.push_back({configurations[0].variant, "path", "independent"});
     configurations.push_back({configurations[0].variant, "path", "sobol", "book"});
+    configurations.push_back(configurations[0]);
+    configurations.back().variant.intersector = "book";
     return configurations;
   }
   const auto or_default = [](const std::vector<std::string>& given, const char* fallback) {

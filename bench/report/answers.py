@@ -79,7 +79,7 @@ def picture_columns(ways, targets):
     """Seconds to equal error: rendered with each accelerator's own triangle test, path and sobol."""
     seconds = {style.variant({**row, "intersector": ""}): row for row in targets
                if row.get("integrator") == "path" and row.get("sampler") == "sobol"}
-    least = min((row["seconds"] for row in seconds.values()), default=0.0)
+    least = min((row["seconds"] for row in targets), default=0.0)
     cells = []
     for kinds in ways.values():
         row = next(iter(kinds.values()))
@@ -88,12 +88,25 @@ def picture_columns(ways, targets):
         elif not is_own_test(row):
             cells.append(missing("whole pictures are rendered with the accelerator's own triangle test"))
         elif found := seconds.get(style.variant({**row, "intersector": ""})):
-            text = number(found["seconds"])
-            cells.append(Cell(f"≈ {text}", found["seconds"], "extrapolated", found["seconds"] == least)
-                         if found.get("extrapolated") else Cell(text, found["seconds"], "", found["seconds"] == least))
+            cells.append(picture_cell(found, found["seconds"] == least))
         else:
             cells.append(missing("no whole picture was measured with it"))
     return cells
+
+
+def peer_rows(targets, columns):
+    """A row for each other renderer, of which only whole pictures can be measured."""
+    why = "of another renderer only whole pictures are measured"
+    for row in targets:
+        if row.get("renderer"):
+            yield [row["renderer"], *(missing(why) for _ in range(columns - 2)), picture_cell(row)]
+
+
+def picture_cell(row, best=False):
+    text = number(row["seconds"])
+    if row.get("extrapolated"):
+        return Cell(f"≈ {text}", row["seconds"], "extrapolated", best)
+    return Cell(text, row["seconds"], "", best)
 
 
 def scene_table(rows, targets):
@@ -106,14 +119,15 @@ def scene_table(rows, targets):
                     ("batch", speed_columns(ways, kind, "mrays_per_second_batch"))]
     columns += [(f"at {name}", wrong_columns(ways, kind)) for kind, name in WRONG_KINDS.items()]
     columns += [
-        ("s", least_columns(ways, lambda row: row["build_seconds"],
+        ("seconds", least_columns(ways, lambda row: row["build_seconds"],
                             lambda row: limits(row["build_seconds_min"], row["build_seconds_max"]))),
         (f"bytes a {primitive}", least_columns(ways, lambda row: row["bytes"] / (row["triangles"] + row["spheres"]))),
         (f"s to relMSE {targets[0]['target_relmse']:g}" if targets else "s to equal error",
          picture_columns(ways, targets))]
     groups = [("", 1), *((f"{kind}, million a second", 2) for kind in SPEED_KINDS), ("wrong answers in a million", 2),
               ("build", 1), ("memory", 1), ("whole picture", 1)]
-    return table([head for head, _ in columns], list(zip(*(cells for _, cells in columns))), groups)
+    body = [*zip(*(cells for _, cells in columns)), *peer_rows(targets, len(columns))]
+    return table([head for head, _ in columns], body, groups)
 
 
 def summary(scene, rows):
@@ -136,8 +150,8 @@ def summary(scene, rows):
     clean = [name for name in ways if wrong[name] == 0]
     if not clean:
         best = min(ways, key=lambda name: wrong[name] / checked[name])
-        return (f"{scene}: each way answers some rays wrongly; {best} the fewest, {wrong[best]:,} of {checked[best]:,}, at "
-                f"{speed(best)}.")
+        return (f"{scene}: each way answers some rays wrongly; {best} the fewest, {wrong[best]:,} of "
+                f"{checked[best]:,}, at {speed(best)}.")
     best, first = fastest(clean), fastest(ways)
     high = 1e6 * intervals.proportion(0, checked[best])[1]
     says = (f"{scene}: {len(clean)} of {len(ways)} ways gave no wrong answer to {checked[best]:,} checked rays (below "
@@ -170,8 +184,9 @@ def html(results):
     coverage = min(100.0 * intervals.median_coverage(repeats), 99.9)
     reading = (
         "Speeds are medians, on one thread; small beneath them the least and the most of all repeats, which hold the "
-        f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false misses, false "
-        "hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. Marked: the best "
-        "of a column, and those that cannot be told from it: speeds whose ranges meet, and counts that Fisher's exact "
-        "test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the renderer sends them.")
+        f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false "
+        "misses, false hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. "
+        "Marked: the best of a column, and those that cannot be told from it: speeds whose ranges meet, and counts "
+        "that Fisher's exact test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the "
+        "renderer sends them.")
     return "\n".join([*parts[:1], f'<p class="notes">{reading}</p>', *parts[1:]])

@@ -3,6 +3,8 @@
 from html import escape
 from typing import NamedTuple, Optional
 
+from style import number
+
 
 class Cell(NamedTuple):
     """A cell's text, what it is sorted by, what stands small beneath it, whether it is among its column's best."""
@@ -22,6 +24,20 @@ class Cell(NamedTuple):
         return f"<td{value}>{text}{below}</td>"
 
 
+def number_cell(value):
+    return Cell(number(value), value)
+
+
+def spread_cell(spread):
+    """A median, and least and most of all repeats beneath it."""
+    return Cell(number(spread["median"]), spread["median"], f"{number(spread['min'])}–{number(spread['max'])}")
+
+
+def text_cell(text):
+    wraps = ' class="text"' if len(text) > 40 else ""
+    return f"<td{wraps}>{escape(text)}</td>"
+
+
 def missing(why):
     """An empty cell, and why it is."""
     return Cell("", why=why)
@@ -37,8 +53,8 @@ def note_of(why, notes):
 def table(head, rows, groups=()):
     """HTML of a table in a box of its own that scrolls. Cells are Cells or strings; groups: (label, columns) above."""
     notes = []
-    body = ["<tr>" + "".join(cell.html(notes) if isinstance(cell, Cell) else f"<td>{escape(cell)}</td>" for cell in row)
-            + "</tr>" for row in rows]
+    body = ["<tr>" + "".join(cell.html(notes) if isinstance(cell, Cell) else text_cell(cell) for cell in row) + "</tr>"
+            for row in rows]
     above = "".join(f'<th colspan="{columns}">{escape(label)}</th>' for label, columns in groups)
     parts = ['<div class="scrolls"><table>', "<thead>", f'<tr class="groups">{above}</tr>' if groups else "",
              "<tr>" + "".join(f'<th scope="col">{escape(label)}</th>' for label in head) + "</tr>", "</thead><tbody>",

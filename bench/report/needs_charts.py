@@ -53,8 +53,8 @@ def strategies(results, scenes):
         dots(axis, rows, [strategy_name(row) for row in rows], prices, looks,
              lambda row, _: f"{row['relmse']:.2g} in {row['seconds']:.2g} s")
         room_for_text(axis, prices)
-        axis.set_title(f"{scene}, {rows[0]['spp']} samples per pixel")
-        axis.set_xlabel("relMSE × seconds, over the best's")
+        axis.set_title(f"{scene}, {rows[0]['spp']} spp")
+        axis.set_xlabel("relMSE × seconds, over the best's", fontsize=9)
     style.finish(figure, "What each sampling strategy costs (beside it: relMSE and seconds)", results)
     return figure
 
@@ -81,11 +81,8 @@ def added_errors(results, scenes):
         edge = front([(row["relmse"], row["seconds"]) for row in rows])
         axis.step([*(x or left for x, _ in edge), 5.0 * max(seen)], [*(y for _, y in edge), edge[-1][1]], where="post",
                   color=style.GREY, linestyle=":", linewidth=1, zorder=0, label="Pareto line")
-        axis.set_xscale("log")
         axis.set_yscale("log")
-        axis.set_xlim(left, 5.0 * max(seen))
-        axis.axvspan(left, right, color=style.ZONE, zorder=-1)
-        style.logarithmic(axis.xaxis)
+        style.zone_of_none(axis, left, right, 5.0 * max(seen))
         style.logarithmic(axis.yaxis)
         axis.set_title(f"{scene}, {rows[0]['integrator']}, {rows[0]['sampler']}", fontsize=10)
         axis.set_xlabel("relMSE that the accelerator adds")
@@ -99,26 +96,35 @@ def added(scenes):
     parts = []
     for scene, rows in scenes.items():
         worst, first = max(rows, key=lambda row: row["relmse"]), min(rows, key=lambda row: row["seconds"])
-        parts.append(f"on {scene} {style.variant(first)} is the fastest and adds {number(first['relmse'])}" + (
-            f", {style.variant(worst)} adds most, {number(worst['relmse'])}" if worst["relmse"] > first["relmse"] else ""))
+        text = f"on {scene} {style.variant(first)} is the fastest and adds {number(first['relmse'])}"
+        if worst["relmse"] > first["relmse"]:
+            text += f", {style.variant(worst)} adds most, {number(worst['relmse'])}"
+        parts.append(text)
     return f"Of relMSE: {'; '.join(parts)}."
 
 
-def charts(results):
+def charts(results, _):
     rows = [row for row in results["rows"] if row["suite"] == "needs"]
     of = {question: style.by_scene(row for row in rows if row["question"] == question)
           for question in ("energy by segment", "strategy", "accelerator")}
     if deep := of["energy by segment"]:
-        yield style.Chart("energy", depths(deep), "Light that paths of so many segments and fewer do not find, of what 256 "
-                          "segments find; the dotted lines are at 1% and 0.1%.", lambda: energy(results, deep))
+        yield style.Chart(
+            "energy", depths(deep),
+            "Light that paths of so many segments and fewer do not find, of what 256 segments find; the dotted lines "
+            "are at 1% and 0.1%.",
+            lambda: energy(results, deep))
     if strategy := of["strategy"]:
-        yield style.Chart("strategies", prices(strategy), "Light and BSDF sampling with weights (path) against BSDF "
-                          "sampling alone (book), and the two samplers. Twice the time halves the error, so their product "
-                          "is the price.", lambda: strategies(results, strategy))
+        yield style.Chart(
+            "strategies", prices(strategy),
+            "Light and BSDF sampling with weights (path) against BSDF sampling alone (book), and the two samplers. "
+            "Twice the time halves the error, so their product is the price.",
+            lambda: strategies(results, strategy))
     if accelerator := by_strategy(of["accelerator"]):
-        yield style.Chart("added-error", added(accelerator), "The picture of each accelerator and triangle test against "
-                          "that of the first, at equal random numbers. The shaded zone holds those that add nothing; no "
-                          "mark beats those on the dotted Pareto line in both.", lambda: added_errors(results, accelerator))
+        yield style.Chart(
+            "added-error", added(accelerator),
+            "The picture of each accelerator and triangle test against that of the first, at equal random numbers. "
+            "The shaded zone holds those that add nothing; no mark beats those on the dotted Pareto line in both.",
+            lambda: added_errors(results, accelerator))
 
 
 def by_strategy(scenes):

@@ -3,7 +3,7 @@
 from matplotlib.ticker import MaxNLocator
 
 import style
-from markup import Cell, missing, table
+from markup import missing, number_cell, spread_cell, table
 from style import number
 
 # Parts of a process, in the order in which they happen.
@@ -71,23 +71,22 @@ def says_profile(rows):
     return f"Outside the accelerator go {least:.0f}% ({of_least}) to {most:.0f}% ({of_most}) of the seconds."
 
 
-def charts(results):
+def charts(results, _):
     if rows := rows_of(results, "process"):
-        yield style.Chart("process", says_process(rows), "Wall-clock seconds of whole processes of raylab-render: medians.",
-                          lambda: bars(results, "process", "Whole processes", "seconds", PARTS, process_parts))
+        yield style.Chart(
+            "process", says_process(rows),
+            "Wall-clock seconds of whole processes of raylab-render: medians.",
+            lambda: bars(results, "process", "Whole processes", "seconds", PARTS, process_parts))
     if rows := rows_of(results, "profile"):
-        yield style.Chart("profile", says_profile(rows), "Share of the seconds of rendering that is spent in the "
-                          "accelerator, on one thread.",
-                          lambda: bars(results, "profile", "Where a render's time goes", "% of the seconds of rendering",
-                                       SHARES, profile_parts))
-
-
-def spread(value):
-    return Cell(f"{value['median']:.3f}", value["median"], f"{value['min']:.2f} to {value['max']:.2f}")
+        yield style.Chart(
+            "profile", says_profile(rows),
+            "Share of the seconds of rendering that is spent in the accelerator, on one thread.",
+            lambda: bars(results, "profile", "Where a render's time goes", "% of the seconds of rendering", SHARES,
+                         profile_parts))
 
 
 def error(row):
-    return number(row["estimated_relmse"]) if "estimated_relmse" in row else missing("the picture has no variance")
+    return number_cell(row["estimated_relmse"]) if "estimated_relmse" in row else missing("the picture has no variance")
 
 
 def tables(results):
@@ -95,11 +94,12 @@ def tables(results):
     if threads := rows_of(results, "threads"):
         yield "<h2>Speed-up with threads, and of processes that share nothing</h2>" + table(
             ["scene", "processes", "threads of each", "seconds", "speed-up", "estimated relMSE"],
-            [[name_of(row), str(row["processes"]), str(row["threads"]), number(row["seconds"]), spread(row["speedup"]),
-              error(row)] for row in threads])
+            [[name_of(row), str(row["processes"]), str(row["threads"]), number_cell(row["seconds"]),
+              spread_cell(row["speedup"]), error(row)] for row in threads])
     if compared := [row for row in rows_of(results, "process") if "seconds_ratio" in row]:
         yield "<h2>Everything switched on, against what a scene needs</h2>" + table(
-            ["scene", "scene bytes", "light bytes", "seconds", "times as long", "pixels that differ", "estimated relMSE"],
-            [[name_of(row), f"{row['scene_bytes']:,}", f"{row['light_bytes']:,}", number(row["seconds"]),
-              spread(row["seconds_ratio"]), f"{row['different_pixels']} of {row['pixels']:,}", error(row)]
+            ["scene", "scene bytes", "light bytes", "seconds", "times as long", "pixels that differ",
+             "estimated relMSE"],
+            [[name_of(row), f"{row['scene_bytes']:,}", f"{row['light_bytes']:,}", number_cell(row["seconds"]),
+              spread_cell(row["seconds_ratio"]), f"{row['different_pixels']} of {row['pixels']:,}", error(row)]
              for row in compared])

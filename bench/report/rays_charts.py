@@ -2,10 +2,9 @@
 
 import math
 
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
 import answers
 import style
+from markup import number_cell, spread_cell, table
 
 KINDS = {"primary": "primary rays", "diffuse": "diffuse rays", "shadow": "shadow rays", "edge": "rays at edges",
          "vertex": "rays at vertices"}
@@ -52,14 +51,8 @@ def accuracy(results, scene, rows):
         xs, ys = zip(*front(points))
         axis.step([*(x or left for x in xs), largest], [*(-y for y in ys), -ys[-1]], where="post", color=style.GREY,
                   linewidth=1, linestyle=":", zorder=0, label="Pareto line")
-        axis.set_xscale("log")
         axis.set_yscale("log")
-        axis.set_xlim(left, largest)
-        decades = [10.0**k for k in range(math.ceil(math.log10(one)), math.ceil(math.log10(largest)))]
-        axis.xaxis.set_major_locator(FixedLocator([(left * right) ** 0.5, *decades[::max(1, -(-len(decades) // 3))]]))
-        axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: "none" if x < right else style.tick(x)))
-        axis.xaxis.set_minor_locator(NullLocator())
-        axis.axvspan(left, right, color=style.ZONE, zorder=-1)
+        style.zone_of_none(axis, left, right, largest)
         axis.set_title(KINDS[kind])
         axis.set_xlabel("wrong answers in a million")
     for axis in axes:
@@ -67,7 +60,7 @@ def accuracy(results, scene, rows):
         style.logarithmic(axis.yaxis)
         axis.tick_params(labelleft=True)
     axes[0].set_ylabel("million rays a second, one thread")
-    axes[0].plot([], [], color=style.GREY, marker="o", markerfacecolor="none", linestyle="none", label="hollow: in batches")
+    axes[0].plot([], [], **style.Look(style.GREY, "o", "-").dot(hollow=True), label="hollow: in batches")
     style.finish(figure, f"{scene}: speed against wrong answers (up and to the left is better)", results,
                  style.legend_of(axes))
     return figure
@@ -151,10 +144,11 @@ def on_the_line(scene, rows):
                  for row in rows if row["rays"] == kind for wrong, speed, in_batches in marks_of(row)}
         for point in front(names):
             kinds_of.setdefault(names[point], []).append(KINDS[kind].removesuffix(" rays"))
-    return f"{scene}, on the Pareto line: " + "; ".join(f"{name} ({', '.join(kinds)})" for name, kinds in kinds_of.items()) + "."
+    parts = [f"{name} ({', '.join(kinds)})" for name, kinds in kinds_of.items()]
+    return f"{scene}, on the Pareto line: {'; '.join(parts)}."
 
 
-def charts(results):
+def charts(results, _):
     scenes = answers.measured(results)
     for scene, rows in scenes.items():
         first = next(iter(scenes))
@@ -168,3 +162,16 @@ def charts(results):
     if scenes:
         yield style.Chart("break-even", leaders(scenes), "A line at 1 is the fastest; a dotted upright line is where "
                           "the lead changes, in the colour of the new leader.", lambda: break_even(results, scenes))
+
+
+def tables(results):
+    """HTML of our Embree backends beside bare loops over the library's calls."""
+    scenes = style.by_scene(row for row in results["rows"] if row["suite"] == "embree")
+    if scenes:
+        body = [[scene, style.variant(row), row["rays"], spread_cell(row["mrays_per_second"]),
+                 spread_cell(row["mrays_per_second_batch"]), row["fastest_bare"],
+                 number_cell(row["mrays_per_second_bare"]), number_cell(row["batch_of_fastest_bare"])]
+                for scene, rows in scenes.items() for row in rows]
+        yield ("<h2>Embree behind our interface, beside bare loops</h2>\n<p>Speeds in million rays a second.</p>" +
+               table(["scene", "accelerator", "rays", "single", "batch", "fastest bare loop", "its speed",
+                      "batch over bare"], body))

@@ -5,6 +5,7 @@ import math
 from matplotlib.image import imread
 
 import style
+from markup import table
 from rays_charts import front
 from style import number
 
@@ -59,9 +60,10 @@ def pictures(results, scenes, targets):
             end = (points[-1]["seconds"], points[-1]["relmse"])
             for goal in goals.get(name, []):
                 if goal.get("extrapolated"):
-                    axis.plot([end[0], goal["seconds"]], [end[1], goal["relmse"]], color=look.color, linestyle=":", linewidth=1)
-                    axis.plot(goal["seconds"], goal["relmse"], **look.dot(hollow=True))
-                    end = (goal["seconds"], goal["relmse"])
+                    target = (goal["seconds"], goal["relmse"])
+                    axis.plot(*zip(end, target), color=look.color, linestyle=":", linewidth=1)
+                    axis.plot(*target, **look.dot(hollow=True))
+                    end = target
             style.label_end(axis, *end, name, look.color)
         edge = front([(row["seconds"], row["relmse"]) for row in rows])
         axis.step(*zip(*edge), where="post", color=style.GREY, linestyle=":", linewidth=1, zorder=0)
@@ -167,17 +169,20 @@ def differences(results, scenes):
 
 
 FULL_SCALE = 10.0  # % of relative error that a picture of differences shows as white
+ERROR_DOTS = [(0.0, "below 0.1%", style.SKY, 8), (0.1, "0.1% to 1%", style.ORANGE, 16),
+              (1.0, "1% to 10%", style.VERMILION, 26), (10.0, "10% and more", style.INK, 40)]
 
 
 def where(results, folder, rows):
-    """A dot at each pixel that differs, larger than the pixel and coloured by how much."""
-    figure, axes = style.panels(len(rows), 3, width=3.8, height=3.4)
+    """A dot at each pixel that differs, larger than the pixel, in colour and size of how much."""
+    figure, axes = style.panels(len(rows), 4, width=3.0, height=3.5)
+    limits = [least for least, *_ in ERROR_DOTS] + [math.inf]
     for axis, row in zip(axes, rows):
         picture = imread(folder / row["picture"])[..., :3]
         error = FULL_SCALE * picture.sum(axis=2) / 3.0  # a third of the ramp in each of red, green and blue
-        ys, xs = error.nonzero()
-        marks = axis.scatter(xs, ys, c=[max(math.log10(e), -2.0) for e in error[ys, xs]], cmap="viridis_r", vmin=-2.0,
-                             vmax=1.0, s=14, linewidths=0.3, edgecolors=style.INK)
+        for (least, label, color, size), beyond in zip(ERROR_DOTS, limits[1:]):
+            ys, xs = ((error > 0.0) & (error >= least) & (error < beyond)).nonzero()
+            axis.scatter(xs, ys, s=size, color=color, label=label)
         axis.set_xlim(0, picture.shape[1])
         axis.set_ylim(picture.shape[0], 0)
         axis.set_aspect("equal")
@@ -186,9 +191,7 @@ def where(results, folder, rows):
         for side in ("top", "right"):
             axis.spines[side].set_visible(True)
         axis.set_title(f"{row['scene']}: {style.variant(row)}\nagainst {row['against']}", fontsize=9)
-        bar = figure.colorbar(marks, ax=axis, fraction=0.04, ticks=[-2.0, -1.0, 0.0, 1.0])
-        bar.ax.set_yticklabels(["0.01%", "0.1%", "1%", "≥ 10%"], fontsize=7)
-    style.finish(figure, "Where pictures differ at equal random numbers", results)
+    style.finish(figure, "Where pictures differ at equal random numbers", results, style.legend_of(axes))
     return figure
 
 
@@ -208,25 +211,44 @@ def charts(results, folder):
     measured = style.by_scene(row for row in rows if "question" not in row and "reference_relmse" in row)
     targets = style.by_scene(row for row in rows if row.get("question") == "time to error")
     if measured:
-        yield style.Chart("convergence", cheapest(measured),
-                          varied(measured) + " relMSE: mean of independent runs with its standard error; seconds: median "
-                          "and range. In the shaded zone the reference is the noisier of the two, so nothing can be "
-                          "measured there. A hollow mark on a dotted line is where error × seconds = constant would reach "
-                          "the target error: it is extrapolated. No measured point beats those on the grey dotted Pareto "
-                          "line in both. Unless it is said, integrator and sampler are path and sobol.",
-                          lambda: pictures(results, measured, targets))
+        yield style.Chart(
+            "convergence", cheapest(measured),
+            varied(measured) +
+            " relMSE: mean of independent runs with its standard error; seconds: median and range. In the shaded zone"
+            " the reference is the noisier of the two, so nothing can be measured there. A hollow mark on a dotted "
+            "line is where error × seconds = constant would reach the target error: it is extrapolated. No measured "
+            "point beats those on the grey dotted Pareto line in both. Unless it is said, integrator and sampler are "
+            "path and sobol.",
+            lambda: pictures(results, measured, targets))
     if targets:
-        yield style.Chart("time-to-error", reached(targets), "Filled marks are interpolated between two measured points; "
-                          "hollow marks are extrapolated as if error × seconds were constant, and not measured.",
-                          lambda: time_to_error(results, targets))
+        yield style.Chart(
+            "time-to-error", reached(targets),
+            "Filled marks are interpolated between two measured points; hollow marks are extrapolated as if error × "
+            "seconds were constant, and not measured.",
+            lambda: time_to_error(results, targets))
     different = style.by_scene(row for row in rows if row.get("question") == "difference")
     if different:
-        yield style.Chart("differences", most_different(different), "Same scene, same random numbers, another "
-                          "accelerator: what is left is what the accelerators do differently.",
-                          lambda: differences(results, different))
+        yield style.Chart(
+            "differences", most_different(different),
+            "Same scene, same random numbers, another accelerator: what is left is what the accelerators do "
+            "differently.",
+            lambda: differences(results, different))
     seen = [row for rows in different.values() for row in rows
             if row["different_pixels"] and (folder / row.get("picture", "")).is_file()]
     if seen:
-        yield style.Chart("where", f"{len(seen)} pictures differ somewhere; each dot is a pixel that does.",
-                          "Dots are enlarged to be seen; their colour is the pixel's relative error, in powers of ten from "
-                          "0.01% to 10%, so that an error of 0.01% is seen as if it were 10,000 times as large.", lambda: where(results, folder, seen))
+        yield style.Chart(
+            "where", f"{len(seen)} pictures differ somewhere; each dot is a pixel that does.",
+            "Dots are large enough to be seen, and tell the pixel's relative error by colour and size: one of 0.01% is "
+            "seen as well as one of 10%, which amplifies it by 1,000.",
+            lambda: where(results, folder, seen))
+
+
+def tables(results):
+    """HTML of how other renderers were set, and what of the scene they have otherwise."""
+    peers = {(row["scene"], row["renderer"]): row for row in results["rows"] if row.get("settings")}
+    if peers:
+        yield "<h2>How other renderers were set</h2>" + table(
+            ["scene", "renderer", "settings", "what differs in the scene", "start-up, s"],
+            [[scene, renderer, ", ".join(row["settings"]), "; ".join(row.get("differences", [])) or "nothing known",
+              number(row["start_up_seconds"]) if "start_up_seconds" in row else "–"]
+             for (scene, renderer), row in peers.items()])

@@ -28,15 +28,13 @@ except ModuleNotFoundError as missing:
     print(f"report.py: no module {missing.name}; Debian: apt-get install python3-{missing.name}", file=sys.stderr)
     sys.exit(1)
 
-SUITES = [rays_charts, ladder_charts, scale_charts, needs_charts, process_charts]
+SUITES = [rays_charts, render_charts, ladder_charts, scale_charts, needs_charts, process_charts]
 
 
 def charts_of(results, folder):
-    """All charts, those of whole pictures after those of rays."""
+    """All charts; the folder holds the pictures of differences."""
     for suite in SUITES:
-        yield from suite.charts(results)
-        if suite is rays_charts:
-            yield from render_charts.charts(results, folder)
+        yield from suite.charts(results, folder)
 
 
 def main():

@@ -60,7 +60,8 @@ def fastest(families):
         most = max(row["triangles"] for row in rows)
         last = [row for row in rows if row["triangles"] == most]
         best = max(last, key=lambda row: row["mrays_per_second"]["median"])
-        parts.append(f"on {family} {style.variant(best)} ({number(best['mrays_per_second']['median'])} million a second)")
+        speed = number(best["mrays_per_second"]["median"])
+        parts.append(f"on {family} {style.variant(best)} ({speed} million a second)")
     rows = [row for rows in families.values() for row in rows]
     wrong = sum(row["wrong"] > 0 for row in rows)
     return (f"The fastest with single rays at the largest size: {'; '.join(parts)}. {wrong or 'None'} of {len(rows)} "
@@ -69,11 +70,13 @@ def fastest(families):
 
 def quotient(over, under):
     """The ratio of two medians whose runs were not paired, in the widest limits that their ranges allow."""
-    return {"median": over["median"] / under["median"], "min": over["min"] / under["max"], "max": over["max"] / under["min"]}
+    return {"median": over["median"] / under["median"], "min": over["min"] / under["max"],
+            "max": over["max"] / under["min"]}
 
 
 def build_speed(row):
-    return {"median": 1.0 / row["build_seconds"], "min": 1.0 / row["build_seconds_max"], "max": 1.0 / row["build_seconds_min"]}
+    return {"median": 1.0 / row["build_seconds"], "min": 1.0 / row["build_seconds_max"],
+            "max": 1.0 / row["build_seconds_min"]}
 
 
 def speedups(results):
@@ -91,8 +94,9 @@ def speedups(results):
                 continue
             paired = row.get("speedup")
             trace = paired or quotient(row["mrays_per_second_wall"], one["mrays_per_second_wall"])
+            build = quotient(build_speed(row), build_speed(one))
             found.setdefault(f"{family}, {row['triangles']:,} triangles", []).extend(
-                [("trace", trace, paired is not None, row), ("build", quotient(build_speed(row), build_speed(one)), False, row)])
+                [("trace", trace, paired is not None, row), ("build", build, False, row)])
     return found
 
 
@@ -118,8 +122,8 @@ def threads(results, scenes):
             axis.errorbar(speedup["median"], place, xerr=[[speedup["median"] - speedup["min"]],
                                                           [speedup["max"] - speedup["median"]]],
                           elinewidth=1, capsize=2, **look.dot(hollow=not paired))
-            axis.annotate(figure_of(speedup, row["threads"]), (1.01, place), xycoords=("axes fraction", "data"), va="center", fontsize=8,
-                          annotation_clip=False)
+            axis.annotate(figure_of(speedup, row["threads"]), (1.01, place), xycoords=("axes fraction", "data"),
+                          va="center", fontsize=8, annotation_clip=False)
             names.append(f"{style.variant(row)}, {what}, {row['threads']} threads")
         for limit in sorted({row["threads"] for *_, row in measured}):
             axis.axvline(limit, color=style.GREY, linestyle=":", linewidth=1)
@@ -142,22 +146,27 @@ def says_threads(scenes):
     says = (f"Of what their threads can give, {len(every)} measurements reach {100 * min(medians):.0f}% to "
             f"{100 * max(medians):.0f}%.")
     if any(beyond):
-        says += (f" Medians beyond the number of threads, which only noise can give: {sum(beyond)}; with the whole interval, "
-                 f"which is implausible: {implausible}.")
+        says += (f" Medians beyond the number of threads, which only noise can give: {sum(beyond)}; with the whole "
+                 f"interval, which is implausible: {implausible}.")
     if alone:
         says += (f" From runs that were not paired, so that a change of the machine's speed between them counts as the "
                  f"threads': {alone}.")
     return says
 
 
-def charts(results):
+def charts(results, _):
     single = style.by_scene(row for row in results["rows"] if row["suite"] == "scale" and row["threads"] == 1)
     if single:
         checked = min(row["rays_checked"] for rows in single.values() for row in rows)
-        yield style.Chart("growth", fastest(single), "Build, memory and speed against the number of triangles, for geometry "
-                          f"of one character each; {checked:,} rays or more of each were checked.",
-                          lambda: growth(results, single))
+        yield style.Chart(
+            "growth", fastest(single),
+            "Build, memory and speed against the number of triangles, for geometry of one character each; "
+            f"{checked:,} rays or more of each were checked.",
+            lambda: growth(results, single))
     if scenes := speedups(results):
-        yield style.Chart("threads", says_threads(scenes), "Filled marks: medians of ratios of neighbouring runs, with the "
-                          "range of all pairs; hollow marks: ratios of medians of runs that were not paired, with the "
-                          "widest limits that the runs' ranges allow; of one run there are none.", lambda: threads(results, scenes))
+        yield style.Chart(
+            "threads", says_threads(scenes),
+            "Filled marks: medians of ratios of neighbouring runs, with the range of all pairs; hollow marks: ratios "
+            "of medians of runs that were not paired, with the widest limits that the runs' ranges allow; of one run "
+            "there are none.",
+            lambda: threads(results, scenes))

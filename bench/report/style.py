@@ -10,7 +10,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator  # noqa: E402
 
 INK, MUTED, GRID, ZONE, PAPER = "#222222", "#666666", "#DDDDDD", "#EAF3EA", "#FFFFFF"
 # Okabe and Ito's colours, and of Tol's muted ones those that differ from them: told apart by colour-blind eyes too.
@@ -132,6 +132,17 @@ def logarithmic(side):
     side.set_minor_locator(NullLocator())
 
 
+def zone_of_none(axis, left, right, largest):
+    """A logarithmic axis across to `largest` with a shaded zone, from left to right, for what is zero."""
+    axis.set_xscale("log")
+    axis.set_xlim(left, largest)
+    axis.axvspan(left, right, color=ZONE, zorder=-1)
+    decades = [10.0**k for k in range(math.ceil(math.log10(right)), math.ceil(math.log10(largest)))]
+    axis.xaxis.set_major_locator(FixedLocator([(left * right) ** 0.5, *decades[::max(1, -(-len(decades) // 3))]]))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: "none" if x < right else tick(x)))
+    axis.xaxis.set_minor_locator(NullLocator())
+
+
 narrow = False  # whether figures are drawn for a telephone: one panel under the other
 
 
@@ -152,7 +163,8 @@ def label_end(axis, x, y, text, color):
     """Writes a line's name beside its last point, right of the axes. finish() moves names apart."""
     label = axis.annotate(text, (x, y), (1.02, y), textcoords=("axes fraction", "data"), color=color, fontsize=8,
                           va="center", annotation_clip=False,
-                          arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2})
+                          arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2,
+                                  "relpos": (0.0, 0.5)})
     axis.end_labels = [*getattr(axis, "end_labels", []), label]
 
 

@@ -7,7 +7,7 @@ import style
 
 
 def inlined(text, name, label):
-    """An SVG file's text as an element in HTML: with ids that no other chart has and the colours of the page's scheme."""
+    """An SVG file's text as an element in HTML: its ids are its own, its colours the page's."""
     text = text[text.index("<svg"):]
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.DOTALL)
     used = set(re.findall(r'(?:url\(|href=")#([^")]+)', text))

@@ -12,6 +12,9 @@ sys.dont_write_bytecode = True
 REPORT = Path(__file__).resolve().parents[2] / "bench" / "report"
 sys.path.insert(0, str(REPORT))
 
+import numpy  # noqa: E402
+from matplotlib.image import imsave  # noqa: E402
+
 import answers  # noqa: E402
 import intervals  # noqa: E402
 import rays_charts  # noqa: E402
@@ -38,7 +41,8 @@ def rays_row(accel, kind, speed, wrong=0, batch=None, scene="box", **fields):
 def picture_row(accel, spp, seconds, relmse, **fields):
     return {"suite": "render", "scene": "box", "accel": accel, "integrator": "path", "sampler": "sobol", "threads": 2,
             "width": 8, "height": 8, "spp": spp, "seconds": seconds, "seconds_min": 0.9 * seconds,
-            "seconds_max": 1.1 * seconds, "relmse": relmse, "relmse_error": 0.01 * relmse, "reference_relmse": 1e-4, **fields}
+            "seconds_max": 1.1 * seconds, "relmse": relmse, "relmse_error": 0.01 * relmse, "reference_relmse": 1e-4,
+            **fields}
 
 
 def target_row(accel, seconds, extrapolated=False, **fields):
@@ -79,12 +83,14 @@ def every_chart(results):
             style.narrow = False
 
 
+KINDS = ["primary", "diffuse", "edge", "vertex"]
 SOME_OF_ALL = [
-    *(rays_row("bvh", kind, 5.0, batch=9.0, intersector="watertight") for kind in ("primary", "diffuse", "edge", "vertex")),
-    *(rays_row("embree", kind, 4.0, wrong=5 if kind == "edge" else 0) for kind in ("primary", "diffuse", "edge", "vertex")),
+    *(rays_row("bvh", kind, 5.0, batch=9.0, intersector="watertight") for kind in KINDS),
+    *(rays_row("embree", kind, 4.0, wrong=5 if kind == "edge" else 0) for kind in KINDS),
     rays_row("bvh", "diffuse", 5.0, scene="dragon"),
     picture_row("bvh", 4, 0.1, 0.04), picture_row("bvh", 16, 0.4, 0.02), picture_row("embree", 4, 0.2, 0.04),
-    target_row("bvh", 0.8, extrapolated=True), target_row("embree", 0.7), target_row("mitsuba", 2.0, renderer="Mitsuba"),
+    target_row("bvh", 0.8, extrapolated=True), target_row("embree", 0.7),
+    target_row("mitsuba", 2.0, renderer="Mitsuba"),
     scale_row("bvh", 1, 4.0, 1.0), scale_row("bvh", 2, 7.0, 0.6), scale_row("embree", 1, 4.1, 1.0),
 ]
 
@@ -197,7 +203,8 @@ class Page(unittest.TestCase):
 
 class Sentences(unittest.TestCase):
     def test_the_summary_names_the_fastest_without_a_wrong_answer(self):
-        rows_of_box = [rays_row("a", "diffuse", 5.0), rays_row("b", "diffuse", 9.0, wrong=3), rays_row("c", "diffuse", 4.0)]
+        rows_of_box = [rays_row("a", "diffuse", 5.0), rays_row("b", "diffuse", 9.0, wrong=3),
+                       rays_row("c", "diffuse", 4.0)]
         says = answers.summary("box", results_of(*rows_of_box)["rows"])
         self.assertIn("2 of 3 ways", says)
         self.assertIn("the fastest of them is a: 5 million", says)
@@ -220,8 +227,8 @@ class Sentences(unittest.TestCase):
         scenes = {"box": results_of(picture_row("bvh", 4, 1.0, 0.04), picture_row("embree", 4, 1.05, 0.04),
                                     picture_row("bvh", 4, 3.0, 0.04, sampler="independent"))["rows"]}
         self.assertIn("differ in accelerator, sampler; no row here varies triangle test", render_charts.varied(scenes))
-        self.assertEqual(render_charts.cheapest(scenes), "The least error for its time: on box bvh (not to be told from "
-                         "embree), where bvh, independent takes 3 times as long for the same error.")
+        self.assertEqual(render_charts.cheapest(scenes), "The least error for its time: on box bvh (not to be told "
+                         "from embree), where bvh, independent takes 3 times as long for the same error.")
 
     def test_a_time_that_was_not_measured_is_hollow_and_said_to_be_so(self):
         targets = {"box": results_of(target_row("bvh", 0.8, extrapolated=True), target_row("embree", 0.7))["rows"]}
@@ -229,6 +236,24 @@ class Sentences(unittest.TestCase):
         figure = render_charts.time_to_error(results_of(), targets)
         faces = {line.get_label(): line.get_markerfacecolor() for line in figure.axes[0].lines}
         self.assertEqual(sorted(face == "none" for face in faces.values()), [False, True])
+        style.plt.close(figure)
+
+
+class Differences(unittest.TestCase):
+    def test_a_pixel_that_hardly_differs_is_seen(self):
+        row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list", "spp": 4,
+               "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
+        picture = numpy.zeros((64, 64, 3))
+        picture[10, 20, 0] = 1.0 / 255.0  # as dark as a pixel may be that is not black
+        with tempfile.TemporaryDirectory() as folder:
+            imsave(Path(folder) / "difference.png", picture)
+            chart = next(c for c in render_charts.charts(results_of(row), Path(folder)) if c.name == "where")
+            figure = chart.draw()
+        dots = [(tuple(dots.get_offsets()[0]), dots.get_sizes()[0]) for dots in figure.axes[0].collections
+                if len(dots.get_offsets())]
+        self.assertEqual(dots[0][0], (20.0, 10.0))
+        self.assertGreater(dots[0][1] ** 0.5, 2.0)  # points across
+        self.assertIn("amplifies it by 1,000", chart.reading)
         style.plt.close(figure)
 
 
@@ -241,7 +266,8 @@ class Threads(unittest.TestCase):
         self.assertAlmostEqual(trace["min"], 0.9 / 1.1 * 3.0)
         self.assertTrue(scale_charts.is_implausible(trace, 2))
         self.assertFalse(scale_charts.is_implausible(build, 2))
-        self.assertIn("Medians beyond the number of threads, which only noise can give: 1;", scale_charts.says_threads(scenes))
+        says = scale_charts.says_threads(scenes)
+        self.assertIn("Medians beyond the number of threads, which only noise can give: 1;", says)
 
     def test_paired_runs_are_taken_where_there_are_some(self):
         row = {"suite": "threads", "scene": "box", "accel": "bvh", "threads": 2, "processes": 1, "speedup": spread(1.9)}
@@ -251,7 +277,7 @@ class Threads(unittest.TestCase):
 class Program(unittest.TestCase):
     def test_a_module_that_is_missing_is_named_with_its_package(self):
         with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "scipy.py").write_text("raise ModuleNotFoundError(\"No module named 'scipy'\", name='scipy')")
+            (Path(folder) / "scipy.py").write_text("raise ModuleNotFoundError(name='scipy')")
             run = subprocess.run([sys.executable, REPORT / "report.py", folder], env={"PYTHONPATH": folder},
                                  capture_output=True, text=True)
         self.assertEqual(run.returncode, 1)
