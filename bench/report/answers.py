@@ -176,7 +176,10 @@ def html(results):
     targets = style.by_scene(row for row in results["rows"] if row.get("question") == "time to error")
     parts = []
     for scene, rows in scenes.items():
-        inside = f"<p>{escape(summary(scene, rows))}</p>\n{scene_table(rows, targets.get(scene, []))}"
+        of_scene = targets.get(scene, [])
+        widest = max((row["width"] for row in of_scene), default=0)  # only pictures of one size compare
+        of_scene = [row for row in of_scene if row["width"] == widest]
+        inside = f"<p>{escape(summary(scene, rows))}</p>\n{scene_table(rows, of_scene)}"
         title = ", ".join([scene, *(f"{rows[0][kind]:,} {kind}" for kind in ("triangles", "spheres") if rows[0][kind])])
         parts.append(f"<h2>{escape(title)}</h2>\n{inside}" if not parts else
                      f"<details><summary>{escape(title)}</summary>\n{inside}\n</details>")

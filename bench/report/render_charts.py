@@ -33,6 +33,18 @@ def look_of(row):
                       SAMPLER_LINES.get(row.get("sampler"), "-"))
 
 
+def by_size(rows):
+    """The rows of each scene, and of each size where a scene was rendered in several: only equal pictures compare."""
+    scenes = style.by_scene(rows)
+    sizes = {scene: {row["width"] for row in mine} for scene, mine in scenes.items()}
+    groups = {}
+    for scene, mine in scenes.items():
+        for row in mine:
+            name = scene if len(sizes[scene]) == 1 else f"{scene} at {row['width']} pixels"
+            groups.setdefault(name, []).append(row)
+    return groups
+
+
 def by_way(rows):
     ways = {}
     for row in rows:
@@ -208,8 +220,8 @@ def most_different(scenes):
 
 def charts(results, folder):
     rows = [row for row in results["rows"] if row["suite"] == "render"]
-    measured = style.by_scene(row for row in rows if "question" not in row and "reference_relmse" in row)
-    targets = style.by_scene(row for row in rows if row.get("question") == "time to error")
+    measured = by_size(row for row in rows if "question" not in row and "reference_relmse" in row)
+    targets = by_size(row for row in rows if row.get("question") == "time to error")
     if measured:
         yield style.Chart(
             "convergence", cheapest(measured),
@@ -226,7 +238,7 @@ def charts(results, folder):
             "Filled marks are interpolated between two measured points; hollow marks are extrapolated as if error × "
             "seconds were constant, and not measured.",
             lambda: time_to_error(results, targets))
-    different = style.by_scene(row for row in rows if row.get("question") == "difference")
+    different = by_size(row for row in rows if row.get("question") == "difference")
     if different:
         yield style.Chart(
             "differences", most_different(different),

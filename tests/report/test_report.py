@@ -47,7 +47,7 @@ def picture_row(accel, spp, seconds, relmse, **fields):
 
 def target_row(accel, seconds, extrapolated=False, **fields):
     return {"suite": "render", "scene": "box", "accel": accel, "integrator": "path", "sampler": "sobol",
-            "question": "time to error", "target_relmse": 0.01, "relmse": 0.01, "seconds": seconds,
+            "question": "time to error", "width": 8, "target_relmse": 0.01, "relmse": 0.01, "seconds": seconds,
             "extrapolated": extrapolated, **fields}
 
 
@@ -239,10 +239,16 @@ class Sentences(unittest.TestCase):
         style.plt.close(figure)
 
 
+    def test_pictures_of_two_sizes_are_not_compared(self):
+        of_both = results_of(target_row("bvh", 0.5), target_row("bvh", 9.0, width=16), rays_row("bvh", "diffuse", 5.0))
+        self.assertEqual(list(render_charts.by_size(of_both["rows"][:2])), ["box at 8 pixels", "box at 16 pixels"])
+        self.assertIn(">9<", answers.html(of_both).replace("<strong>", "").replace("</strong>", ""))
+
+
 class Differences(unittest.TestCase):
     def test_a_pixel_that_hardly_differs_is_seen(self):
-        row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list", "spp": 4,
-               "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
+        row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list", "width": 64,
+               "spp": 4, "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
         picture = numpy.zeros((64, 64, 3))
         picture[10, 20, 0] = 1.0 / 255.0  # as dark as a pixel may be that is not black
         with tempfile.TemporaryDirectory() as folder:
