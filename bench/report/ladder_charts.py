@@ -46,9 +46,10 @@ def wrongs(axis, steps):
             continue
         limits = [[1e6 * limit for limit in intervals.proportion(row["wrong"], row["rays_checked"])] for row in rows]
         ys = [max(1e6 * row["wrong"] / row["rays_checked"], floor) for row in rows]
-        axis.errorbar([place + aside for place in range(len(ys))], ys, yerr=[[y - max(low, floor) for y, (low, _) in zip(ys, limits)],
-                                                [high - y for y, (_, high) in zip(ys, limits)]],
-                      marker="X", capsize=2, color=color)
+        below = [y - max(low, floor) for y, (low, _) in zip(ys, limits)]
+        above = [high - y for y, (_, high) in zip(ys, limits)]
+        axis.errorbar([place + aside for place in range(len(ys))], ys, yerr=[below, above], marker="X", capsize=2,
+                      color=color)
         style.label_end(axis, len(ys) - 1, ys[-1], "edges" if kind == "edge" else "vertices", color)
     axis.set_yscale("log")
     axis.set_ylim(floor / 2.0, 1e6)
@@ -64,7 +65,8 @@ def steps_chart(results, scenes):
         wrongs(axes[2 * i + 1], steps)
         axes[2 * i + 1].set_title(f"{scene}: wrong answers in a million")
         for axis in axes[2 * i:2 * i + 2]:
-            axis.set_xticks(range(len(steps)), [step.replace(" ", "\n") for step in steps], fontsize=7)
+            names = [step.split()[0] if style.narrow else step.replace(" ", "\n") for step in steps]
+            axis.set_xticks(range(len(steps)), names, fontsize=7)
     style.finish(figure, "From the book's tree to bvh, step by step (one thread)", results)
     return figure
 
@@ -94,7 +96,8 @@ def charts(results, _):
         yield style.Chart(
             "ladder", gains(scenes),
             "Filled marks: single rays; hollow marks: batches of 512. Bars of wrong answers are 95% intervals "
-            "(Clopper and Pearson): where none was wrong, they say how many there may be.",
+            "(Clopper and Pearson): where none was wrong, they say how many there may be. The table "
+            "below names the steps.",
             lambda: steps_chart(results, scenes))
 
 

@@ -5,7 +5,7 @@ from matplotlib.ticker import PercentFormatter
 import style
 from markup import table
 from rays_charts import front
-from render_charts import dots, room_for_text
+from render_charts import dots, logarithmic_across
 from style import number
 
 
@@ -52,9 +52,9 @@ def strategies(results, scenes):
                             "o" if row["integrator"] == "path" else "X", "-") for row in rows]
         dots(axis, rows, [strategy_name(row) for row in rows], prices, looks,
              lambda row, _: f"{row['relmse']:.2g} in {row['seconds']:.2g} s")
-        room_for_text(axis, prices)
+        logarithmic_across(axis, prices)
         axis.set_title(f"{scene}, {rows[0]['spp']} spp")
-        axis.set_xlabel("relMSE × seconds, over the best's", fontsize=9)
+        axis.set_xlabel("relMSE × seconds, best = 1")
     style.finish(figure, "What each sampling strategy costs (beside it: relMSE and seconds)", results)
     return figure
 

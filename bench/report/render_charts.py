@@ -1,8 +1,10 @@
 """Whole pictures: speed against accuracy, time to a given error, and where pictures differ."""
 
 import math
+import textwrap
 
 from matplotlib.image import imread
+from matplotlib.ticker import MaxNLocator
 
 import style
 from markup import table
@@ -82,8 +84,8 @@ def pictures(results, scenes, targets):
         low = min(axis.get_ylim()[0], rows[0]["reference_relmse"] / 2.0)
         axis.axhspan(low, rows[0]["reference_relmse"], color=style.ZONE, zorder=-1)
         axis.set_ylim(bottom=low)
-        for side in (axis.xaxis, axis.yaxis):
-            style.logarithmic(side)
+        style.logarithmic(axis.xaxis, 4)
+        style.logarithmic(axis.yaxis)
         spp = sorted({row["spp"] for row in rows})
         axis.set_title(f"{scene}, {rows[0]['width']} × {rows[0]['height']}, {rows[0]['threads']} threads\n"
                        f"{', '.join(map(str, spp))} samples per pixel", fontsize=10)
@@ -122,20 +124,21 @@ def cheapest(scenes):
 
 
 def dots(axis, rows, names, values, looks, text):
-    """A row of the axis for each: a dot, hollow where it is extrapolated, and its text beside it."""
+    """A row of the axis for each: a dot, hollow where it is extrapolated, and its text at the right."""
     for place, (row, value, look) in enumerate(zip(rows, values, looks)):
         axis.plot(value, place, **look.dot(hollow=row.get("extrapolated", False)))
-        axis.annotate(text(row, value), (value, place), (8, 0), textcoords="offset points", va="center", fontsize=8)
-    axis.set_yticks(range(len(rows)), names)
+        axis.annotate(text(row, value), (1.01, place), xycoords=("axes fraction", "data"), va="center", fontsize=8,
+                      annotation_clip=False)
+    if style.narrow:
+        names = ["\n".join(textwrap.wrap(name, 18)) for name in names]
+    axis.set_yticks(range(len(rows)), names, fontsize=8)
     axis.set_ylim(len(rows) - 0.4, -0.6)
 
 
-def room_for_text(axis, values):
-    """Logarithmic limits across that leave room for the texts beside the dots."""
-    low, high = min(values), max(values)
+def logarithmic_across(axis, values):
     axis.set_xscale("log")
-    axis.set_xlim(low / 1.5, high * 1.5 * (high / low * 2.0) ** 0.9)
-    style.logarithmic(axis.xaxis)
+    axis.set_xlim(min(values) / 1.5, max(values) * 1.5)
+    style.logarithmic(axis.xaxis, 3 if style.narrow else 5)
 
 
 def time_to_error(results, scenes):
@@ -145,7 +148,7 @@ def time_to_error(results, scenes):
         rows = sorted(rows, key=lambda row: row["seconds"])
         dots(axis, rows, [name_of(row) for row in rows], [row["seconds"] for row in rows], map(look_of, rows),
              lambda row, value: f"{number(value)} s" + (", extrapolated" if row.get("extrapolated") else ""))
-        room_for_text(axis, [row["seconds"] for row in rows])
+        logarithmic_across(axis, [row["seconds"] for row in rows])
         axis.set_title(f"{scene}: relMSE {rows[0]['target_relmse']:g}")
         axis.set_xlabel("seconds")
     style.finish(figure, "Time to a given error (hollow: extrapolated)", results)
@@ -173,9 +176,10 @@ def differences(results, scenes):
         shares = [100.0 * row["different_pixels"] / row["pixels"] for row in rows]
         dots(axis, rows, [style.variant(row) for row in rows], shares, map(style.look_of, rows),
              lambda row, share: f"{number(share)}%, relMSE {row['relmse']:.1g}" if share else "none")
-        axis.set_xlim(-0.05 * max(shares + [0.01]), 2.0 * max(shares + [0.01]))
+        axis.set_xlim(-0.05 * max(shares + [0.01]), 1.2 * max(shares + [0.01]))
+        axis.xaxis.set_major_locator(MaxNLocator(3))
         axis.set_title(f"{scene} against {rows[0]['against']}, {rows[0]['spp']} spp", fontsize=10)
-        axis.set_xlabel("% of pixels that differ by more than 0.1%")
+        axis.set_xlabel("% of pixels that differ by more than 0.1%", fontsize=9)
     style.finish(figure, "Pictures of two accelerators at equal random numbers", results)
     return figure
 

@@ -116,6 +116,7 @@ def threads(results, scenes):
     most = max(len(measured) for measured in scenes.values())
     figure, axes = style.panels(len(scenes), 2, width=5.6, height=0.9 + 0.27 * most)
     for axis, (scene, measured) in zip(axes, scenes.items()):
+        limits = sorted({row["threads"] for *_, row in measured})
         names = []
         for place, (what, speedup, paired, row) in enumerate(measured):
             look = style.look_of(row)
@@ -124,13 +125,13 @@ def threads(results, scenes):
                           elinewidth=1, capsize=2, **look.dot(hollow=not paired))
             axis.annotate(figure_of(speedup, row["threads"]), (1.01, place), xycoords=("axes fraction", "data"),
                           va="center", fontsize=8, annotation_clip=False)
-            names.append(f"{style.variant(row)}, {what}, {row['threads']} threads")
-        for limit in sorted({row["threads"] for *_, row in measured}):
+            names.append(f"{style.variant(row)}, {what}" + (f", {row['threads']} threads" if len(limits) > 1 else ""))
+        for limit in limits:
             axis.axvline(limit, color=style.GREY, linestyle=":", linewidth=1)
         axis.set_yticks(range(len(names)), names, fontsize=8)
         axis.set_ylim(len(names) - 0.4, -0.6)
         axis.set_xlim(left=0.0)
-        axis.xaxis.set_major_locator(MaxNLocator(5))
+        axis.xaxis.set_major_locator(MaxNLocator(2 if style.narrow else 5))
         axis.set_title(scene, fontsize=10)
         axis.set_xlabel("times as fast as one thread")
     style.finish(figure, "Growth with threads (dotted: the number of threads)", results)

@@ -10,7 +10,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator  # noqa: E402
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator  # noqa: E402
 
 INK, MUTED, GRID, ZONE, PAPER = "#222222", "#666666", "#DDDDDD", "#EAF3EA", "#FFFFFF"
 # Okabe and Ito's colours, and of Tol's muted ones those that differ from them: told apart by colour-blind eyes too.
@@ -121,12 +121,19 @@ def tick(value, _=None):
     return "10" + str(power).translate(RAISED)
 
 
-def logarithmic(side):
-    """A logarithmic axis with plain numbers: at the decades, and between them where there are few."""
-    low, high = side.get_view_interval()
-    decades = math.log10(high / low)
-    between = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if decades < 0.7 else (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
-    side.set_major_locator(LogLocator(subs=between, numticks=6))
+def log_ticks(low, high, most):
+    """At most so many round numbers between the limits: as many as there is room for, at decades alone if need be."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for steps in ((1.0, 1.5, *range(2, 10)), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 3.0), (1.0,)):
+        ticks = [step * 10.0**power for power in powers for step in steps if low <= step * 10.0**power <= high]
+        if len(ticks) <= most:
+            break
+    return ticks[::max(1, -(-len(ticks) // most))]
+
+
+def logarithmic(side, most=6):
+    """A logarithmic axis with plain numbers, and room between them."""
+    side.set_major_locator(FixedLocator(log_ticks(*side.get_view_interval(), most)))
     side.set_major_formatter(FuncFormatter(tick))
     side.set_minor_formatter(NullFormatter())
     side.set_minor_locator(NullLocator())

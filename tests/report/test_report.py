@@ -141,6 +141,13 @@ class Style(unittest.TestCase):
                 self.assertTrue(all(b - a > 9.0 for a, b in zip(ys, ys[1:])), name)
             style.plt.close(figure)
 
+    def test_logarithmic_axes_have_a_few_round_numbers_whatever_their_limits(self):
+        self.assertEqual(style.log_ticks(0.02, 0.045, 5), [0.02, 0.03, 0.04])
+        self.assertEqual(style.log_ticks(0.5, 30.0, 5), [1.0, 3.0, 10.0, 30.0])
+        for low, high in ((0.02, 0.03), (1.0, 9.0), (0.1, 1e9), (1e-12, 1.0)):
+            ticks = style.log_ticks(low, high, 5)
+            self.assertTrue(1 <= len(ticks) <= 5, ticks)
+
     def test_no_bars_start_from_nowhere_on_a_logarithmic_axis(self):
         for name, figure in every_chart(results_of(*SOME_OF_ALL)):
             for axis in figure.axes:
@@ -247,8 +254,8 @@ class Sentences(unittest.TestCase):
 
 class Differences(unittest.TestCase):
     def test_a_pixel_that_hardly_differs_is_seen(self):
-        row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list", "width": 64,
-               "spp": 4, "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
+        row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list",
+               "width": 64, "spp": 4, "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
         picture = numpy.zeros((64, 64, 3))
         picture[10, 20, 0] = 1.0 / 255.0  # as dark as a pixel may be that is not black
         with tempfile.TemporaryDirectory() as folder:
