@@ -145,7 +145,9 @@ def on_the_line(scene, rows):
         for point in front(names):
             kinds_of.setdefault(names[point], []).append(KINDS[kind].removesuffix(" rays"))
     parts = [f"{name} ({', '.join(kinds)})" for name, kinds in kinds_of.items()]
-    return f"{scene}, on the Pareto line: {'; '.join(parts)}."
+    alone = dict.fromkeys(style.variant(row) for row in rows if "mrays_per_second_batch" not in row)
+    text = f"{scene}, on the Pareto line: {'; '.join(parts)}."
+    return text + (f" Not measured in batches: {', '.join(alone)}." if alone else "")
 
 
 def charts(results, _):

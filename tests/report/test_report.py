@@ -228,7 +228,8 @@ class Sentences(unittest.TestCase):
         self.assertEqual(rays_charts.front([(1, 5), (2, 6), (3, 2), (1, 7)]), [(1, 5), (3, 2)])
         says = rays_charts.on_the_line("box", results_of(rays_row("a", "diffuse", 5.0, batch=7.0),
                                                          rays_row("b", "diffuse", 9.0, wrong=3))["rows"])
-        self.assertEqual(says, "box, on the Pareto line: a in batches (diffuse); b (diffuse).")
+        self.assertEqual(says, "box, on the Pareto line: a in batches (diffuse); b (diffuse). Not measured in "
+                         "batches: b.")
 
     def test_whole_pictures_say_what_varies_and_what_ties(self):
         scenes = {"box": results_of(picture_row("bvh", 4, 1.0, 0.04), picture_row("embree", 4, 1.05, 0.04),
