@@ -15,6 +15,7 @@ sys.dont_write_bytecode = True
 
 try:
     import answers
+    import difference_charts
     import ladder_charts
     import needs_charts
     import page
@@ -28,7 +29,7 @@ except ModuleNotFoundError as missing:
     print(f"report.py: no module {missing.name}; Debian: apt-get install python3-{missing.name}", file=sys.stderr)
     sys.exit(1)
 
-SUITES = [rays_charts, render_charts, ladder_charts, scale_charts, needs_charts, process_charts]
+SUITES = [rays_charts, render_charts, difference_charts, ladder_charts, scale_charts, needs_charts, process_charts]
 
 
 def charts_of(results, folder):

@@ -16,6 +16,7 @@ import numpy  # noqa: E402
 from matplotlib.image import imsave  # noqa: E402
 
 import answers  # noqa: E402
+import difference_charts  # noqa: E402
 import intervals  # noqa: E402
 import rays_charts  # noqa: E402
 import render_charts  # noqa: E402
@@ -256,12 +257,13 @@ class Sentences(unittest.TestCase):
 class Differences(unittest.TestCase):
     def test_a_pixel_that_hardly_differs_is_seen(self):
         row = {"suite": "render", "scene": "box", "accel": "bvh", "question": "difference", "against": "list",
-               "width": 64, "spp": 4, "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9, "picture": "difference.png"}
+               "width": 64, "spp": 4, "different_pixels": 1, "pixels": 64 * 64, "relmse": 1e-9,
+               "picture": "difference.png"}
         picture = numpy.zeros((64, 64, 3))
         picture[10, 20, 0] = 1.0 / 255.0  # as dark as a pixel may be that is not black
         with tempfile.TemporaryDirectory() as folder:
             imsave(Path(folder) / "difference.png", picture)
-            chart = next(c for c in render_charts.charts(results_of(row), Path(folder)) if c.name == "where")
+            chart = next(c for c in difference_charts.charts(results_of(row), Path(folder)) if c.name == "where")
             figure = chart.draw()
         dots = [(tuple(dots.get_offsets()[0]), dots.get_sizes()[0]) for dots in figure.axes[0].collections
                 if len(dots.get_offsets())]
