@@ -211,8 +211,11 @@ std::vector<Way> own_ways(const Accelerator& accelerator, const Rays& set) {
        }}};
 }
 
-void measure(Suite& suite, const Scene& scene, const Built& built, const Rays& set, int repeats) {
+void measure(Suite& suite, const Scene& scene, const Built& built, const Accelerator& bvh, const Rays& set,
+             int repeats) {
   std::vector<Way> ways = own_ways(*built.accelerator, set);
+  ways.push_back(own_ways(bvh, set).back());
+  ways.back().name = "bvh batch";
   const std::size_t own = ways.size();
   for (Way& way : bare_ways(embree_scene(*built.accelerator), set)) ways.push_back(std::move(way));
   const auto times = time_interleaved(
@@ -226,14 +229,19 @@ void measure(Suite& suite, const Scene& scene, const Built& built, const Rays& s
   std::string line = format("%-12s %-8s %-14s", scene.name.c_str(), set.kind.c_str(), built.variant.accel.c_str());
   double fastest = 0.0;
   double batch = 0.0;
+  double bvh_batch = 0.0;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     std::vector<double> speeds;
     for (const double s : times[i].cpu) speeds.push_back(1e-6 * static_cast<double>(set.rays.size()) / s);
     const Spread speed = spread_of(speeds);
     line += format(" %s %.2f", ways[i].name.c_str(), speed.median);
-    if (i < own) {
-      row[i == 0 ? "mrays_per_second" : "mrays_per_second_batch"] = to_row(speed);
+    if (i == 0) {
+      row["mrays_per_second"] = to_row(speed);
+    } else if (i == 1) {
+      row["mrays_per_second_batch"] = to_row(speed);
       batch = speed.median;
+    } else if (i < own) {
+      bvh_batch = speed.median;
     } else {
       if (speed.median > fastest) row["fastest_bare"] = ways[i].name;
       fastest = std::max(fastest, speed.median);
@@ -243,7 +251,8 @@ void measure(Suite& suite, const Scene& scene, const Built& built, const Rays& s
   row["mrays_per_second_bare"] = fastest;
   row["rays_timed"] = set.rays.size();
   row["batch_of_fastest_bare"] = batch / fastest;
-  suite.add({row}, {line + format("; batch of the fastest bare %.2f", batch / fastest)});
+  row["bvh_of_fastest_bare"] = bvh_batch / fastest;
+  suite.add({row}, {line + format("; batch of the fastest bare %.2f, bvh %.2f", batch / fastest, bvh_batch / fastest)});
 }
 
 }  // namespace
@@ -258,10 +267,11 @@ int embree(const RaysOptions& options) {
     const LoadedScene loaded = load(suite, file);
     const Scene& scene = loaded.scene;
     const std::vector<Rays> sets = rays_of(loaded, options);
+    const auto bvh = make_accelerator(kDefaultAccelerator, scene.geometry);
     for (const char* name : {"embree", "embree-robust"}) {
       const Built built = build({name, "", BuildQuality::balanced, false}, scene.geometry, 1);
       for (const Rays& set : sets) {
-        if (!set.rays.empty()) measure(suite, scene, built, set, options.repeats);
+        if (!set.rays.empty()) measure(suite, scene, built, *bvh, set, options.repeats);
         suite.advance(1.0);
       }
     }

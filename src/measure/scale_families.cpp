@@ -37,8 +37,8 @@ TriangleMesh height_field(std::size_t triangles, float half, const Height& heigh
     for (std::uint32_t i = 0; i < cells; ++i) {
       const std::uint32_t a = j * (cells + 1) + i;
       const std::uint32_t b = a + cells + 1;
-      mesh.triangles.push_back({a, b, a + 1});
-      mesh.triangles.push_back({a + 1, b, b + 1});
+      mesh.triangles.emplace_back(a, b, a + 1);
+      mesh.triangles.emplace_back(a + 1, b, b + 1);
     }
   }
   mesh.pad_positions();
@@ -65,7 +65,7 @@ TriangleMesh thin_triangles(std::size_t count, std::uint64_t seed) {
     const vec3 aside =
         glm::cross(along, glm::normalize(uniform.in_box(vec3(-1.0f), vec3(1.0f)) + vec3(0.0f, 0.0f, 1e-3f)));
     mesh.positions.insert(mesh.positions.end(), {start, start + along, start + kWidth * aside});
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   mesh.pad_positions();
   return mesh;

@@ -63,7 +63,7 @@ TriangleMesh triangle_soup(std::size_t count, float extent, float size, std::uin
     for (int corner = 0; corner < 3; ++corner) {
       mesh.positions.push_back(center + uniform.in_box(vec3(-size / 2), vec3(size / 2)));
     }
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   mesh.pad_positions();
   return mesh;
