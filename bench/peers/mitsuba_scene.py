@@ -1,66 +1,57 @@
-"""A Raylab scene file as Mitsuba 3 objects in memory.
+"""A Raylab scene as Mitsuba 3 objects in memory.
 
 What is the same: camera, lens, geometry, materials, textures, lights, background, a box filter one pixel wide, the
-number of path segments (both count the camera ray). What Mitsuba does in its own way:
+number of path segments (both count the camera ray). What is not stands in differences().
 
-- Its emitters shine from the front only, Raylab's from both sides. So an emitter gets a reversed copy behind it, at
-  1e-5 of the largest coordinate of the emitter or the camera: more than float rounding, less than a picture shows.
-  Half of the light samples then fall on the copy that faces away; `two_sided_lights=False` leaves the copies out
-  where only fronts are seen.
-- It chooses among emitters with equal probability, Raylab by power.
-- It interpolates environment pictures, Raylab takes the nearest texel. A gradient is tabulated (1,025 rows).
-- Fuzzy metal and checkers by world position are plugins of ours (mitsuba_plugins.py).
-- Where an interpolated normal faces away from the viewer, Mitsuba shades the surface's other side; Raylab takes the
-  geometric normal instead and lets no light through. On smooth meshes the outlines differ by a little.
+Mitsuba's emitters shine from the front only, Raylab's from both sides. So an emitter gets a reversed copy behind it.
+Half of the light samples then fall on the copy that faces away; `two_sided_lights=False` leaves the copies out where
+only fronts are seen.
 """
-
-import tomllib
-from pathlib import Path
 
 import mitsuba as mi
 import mitsuba_plugins
 import numpy as np
-from wavefront import InputError, Part, read_mtl, read_obj
+from scene_file import BLACK, InputError, SceneFile, Surface
 
 GRADIENT_ROWS = 1025
-LIGHT_COPY_OFFSET = 1e-5
 
-
-def load_description(file: Path) -> dict:
-    try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{file}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: {error}") from error
+def differences(file: SceneFile, two_sided_lights: bool) -> list[str]:
+    lights = [surface for surface in file.surfaces if surface.radiance is not None]
+    metals = [surface for surface in file.surfaces if surface.material.get("fuzz", 0.0) > 0.0]
+    smooth = [surface for surface in file.surfaces if surface.part and surface.part.normals is not None]
+    found = {
+        "lights shine from the front only": lights and not two_sided_lights,
+        "a light is two emitters, back to back": lights and two_sided_lights,
+        "among emitters each is as likely as the other, in Raylab by power": lights,
+        "fuzzy metal is a plugin in Python, which scalar_rgb interprets call by call": metals,
+        "where a vertex normal faces away from the viewer the other side is shaded, in Raylab the geometric normal "
+        "counts and lets no light through": smooth,
+        f"the gradient of the background is a table of {GRADIENT_ROWS} rows": "bottom" in file.background,
+        "the background's picture is interpolated, in Raylab the nearest texel counts": "image" in file.background,
+    }
+    return [text for text, holds in found.items() if holds]
 
 
 class SceneExport:
     """Makes the mitsuba.Scene of a scene file. The variant must have been set before."""
 
-    def __init__(self, file: Path, description: dict, two_sided_lights: bool = True):
-        self.folder = file.resolve().parent
-        self.description = description
+    def __init__(self, file: SceneFile, two_sided_lights: bool):
+        self.file = file
         self.two_sided_lights = two_sided_lights
-        self.materials = description.get("material", {})
         self.made = {}  # BSDFs by the text of their material, so that equal ones are shared
         self.objects = {"type": "scene"}
 
-    def scene(self, width: int, height: int, max_depth: int, rr_depth: int) -> mi.Scene:
+    def scene(self, width: int, height: int, max_depth: int, rr_depth: int, sampler: str) -> mi.Scene:
         mitsuba_plugins.register()
         try:
-            for mesh in self.description.get("mesh", []):
-                self._add_mesh(mesh)
-            for sphere in self.description.get("sphere", []):
-                self._add_sphere(sphere)
-            self._add_background(self.description.get("background", {}))
-        except KeyError as error:
-            raise InputError(f"no {error} in the scene file or a file that it names") from error
-        except OSError as error:
-            raise InputError(f"{error.filename}: {error.strerror}") from error
+            for surface in self.file.surfaces:
+                self._add_surface(surface, is_reversed=False)
+                if surface.radiance is not None and self.two_sided_lights:
+                    self._add_surface(self.file.reversed_light(surface), is_reversed=True)
+            self._add_background(self.file.background)
         except RuntimeError as error:  # Mitsuba's own: a picture that is missing or damaged
             raise InputError(str(error)) from error
-        self.objects["sensor"] = self._sensor(width, height)
+        self.objects["sensor"] = self._sensor(width, height, sampler)
         self.objects["integrator"] = {"type": "path", "max_depth": max_depth, "rr_depth": rr_depth}
         return mi.load_dict(self.objects)
 
@@ -72,10 +63,10 @@ class SceneExport:
     def _texture(self, color) -> dict:
         if isinstance(color, list):
             return {"type": "rgb", "value": [float(c) for c in color]}
-        if "image" in color:
+        if self.file.picture(color):
             return {
                 "type": "bitmap",
-                "filename": str(self.folder / color["image"]),
+                "filename": str(self.file.picture(color)),
                 "filter_type": "bilinear",
                 "wrap_mode": "repeat",
                 "format": "variant",  # else 8-bit pictures are kept in half precision
@@ -106,42 +97,22 @@ class SceneExport:
         if kind == "dielectric":
             return {"type": "dielectric", "int_ior": float(material.get("index", 1.5)), "ext_ior": 1.0}
         if kind == "diffuse_light":
-            return _both_sides({"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}})
+            return self._bsdf_dict(BLACK)
         raise InputError(f"material type {kind!r} is not known")
-
-    def _emitter(self, material: dict) -> dict | None:
-        if material["type"] != "diffuse_light":
-            return None
-        return {"type": "area", "radiance": self._texture(material.get("radiance", [1.0] * 3))}
-
-    def _copy_offset(self, positions: np.ndarray) -> float:
-        camera = self.description.get("camera", {}).get("look_from", [0, 0, 0])
-        return LIGHT_COPY_OFFSET * max(np.abs(positions).max(), np.abs(camera).max())
 
     # Shapes
 
-    def _add_mesh(self, entry: dict):
-        file = self.folder / entry["obj"]
-        obj = read_obj(file)
-        if "material" in entry:
-            named = {part.material: self.materials[entry["material"]] for part in obj.parts}
+    def _add_surface(self, surface: Surface, is_reversed: bool):
+        emitter = None if surface.radiance is None else {"type": "area", "radiance": self._texture(surface.radiance)}
+        if surface.part:
+            self._add_part(surface, emitter)
         else:
-            named = {None: {"type": "lambertian"}}
-            for library in obj.libraries:
-                named.update(read_mtl(library))
-        for part in obj.parts:
-            _place(part, entry)
-            material = named[part.material]
-            emitter = self._emitter(material)
-            if emitter is not None:
-                part.normals = None
-            self._add_part(part, material, emitter)
-            if emitter is not None and self.two_sided_lights:
-                self._add_part(_reversed(part, self._copy_offset(part.positions)), material, emitter)
+            self._add_ball(surface, emitter, is_reversed)
 
-    def _add_part(self, part: Part, material: dict, emitter: dict | None):
+    def _add_part(self, surface: Surface, emitter: dict | None):
+        part = surface.part
         properties = mi.Properties()
-        properties["bsdf"] = self._bsdf(material)
+        properties["bsdf"] = self._bsdf(surface.material)
         if emitter is not None:
             properties["emitter"] = mi.load_dict(emitter)
         mesh = mi.Mesh(
@@ -164,25 +135,15 @@ class SceneExport:
         parameters.update()
         self._add(mesh)
 
-    def _add_sphere(self, entry: dict):
-        material = self.materials[entry["material"]]
-        center = np.array(entry["center"], dtype=float)
-        radius = float(entry["radius"])
-        emitter = self._emitter(material)
-        self._add_ball(center, radius, material, emitter, flip_normals=False)
-        if emitter is not None and self.two_sided_lights:
-            inner = radius - self._copy_offset(center + radius)
-            self._add_ball(center, inner, material, emitter, flip_normals=True)
-
-    def _add_ball(self, center, radius: float, material: dict, emitter: dict | None, flip_normals: bool):
+    def _add_ball(self, surface: Surface, emitter: dict | None, flip_normals: bool):
         # Mitsuba's texture coordinates turn around z from +x; here around y from -x.
-        x, y, z = center
+        (x, y, z), radius = surface.center, surface.radius
         turned = np.array([[-radius, 0, 0, x], [0, 0, radius, y], [0, radius, 0, z], [0, 0, 0, 1]])
         ball = {
             "type": "sphere",
             "to_world": mi.ScalarTransform4f(turned),
             "flip_normals": flip_normals,
-            "bsdf": self._bsdf(material),
+            "bsdf": self._bsdf(surface.material),
         }
         if emitter is not None:
             ball["emitter"] = emitter
@@ -191,8 +152,8 @@ class SceneExport:
     # Background and camera
 
     def _add_background(self, background: dict):
-        if "image" in background:
-            texels = np.array(mi.Bitmap(str(self.folder / background["image"])).convert(
+        if self.file.picture(background):
+            texels = np.array(mi.Bitmap(str(self.file.picture(background))).convert(
                 mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False))
             self._add({"type": "envmap", "bitmap": mi.Bitmap(_on_envmap_grid(texels))})
         elif "bottom" in background:
@@ -203,18 +164,17 @@ class SceneExport:
         elif any(background.get("color", [0.0])):
             self._add({"type": "constant", "radiance": self._texture(background["color"])})
 
-    def _sensor(self, width: int, height: int) -> dict:
-        camera = self.description.get("camera", {})
-        origin = camera.get("look_from", [0, 0, 0])
-        target = camera.get("look_at", [0, 0, -1])
-        distance = float(np.linalg.norm(np.subtract(target, origin)))
+    def _sensor(self, width: int, height: int, sampler: str) -> dict:
+        camera = self.file.camera
+        distance = float(np.linalg.norm(np.subtract(camera.look_at, camera.look_from)))
         sensor = {
             "type": "perspective",
-            "fov": float(camera.get("vfov", 90.0)),
+            "fov": camera.vfov,
             "fov_axis": "y",
             "near_clip": 1e-4 * distance,
             "far_clip": 1e5 * distance,
-            "to_world": mi.ScalarTransform4f().look_at(origin=origin, target=target, up=camera.get("up", [0, 1, 0])),
+            "to_world": mi.ScalarTransform4f().look_at(
+                origin=camera.look_from, target=camera.look_at, up=camera.up),
             "film": {
                 "type": "hdrfilm",
                 "width": width,
@@ -223,42 +183,17 @@ class SceneExport:
                 "component_format": "float32",
                 "rfilter": {"type": "box"},
             },
-            "sampler": {"type": "independent"},
+            "sampler": {"type": sampler},
         }
-        angle = float(camera.get("defocus_angle", 0.0))
-        if angle > 0.0:
+        if camera.lens_radius > 0.0:
             sensor["type"] = "thinlens"
-            sensor["focus_distance"] = float(camera.get("focus_distance", 10.0))
-            sensor["aperture_radius"] = sensor["focus_distance"] * float(np.tan(np.radians(0.5 * angle)))
+            sensor["focus_distance"] = camera.focus_distance
+            sensor["aperture_radius"] = camera.lens_radius
         return sensor
 
 
 def _both_sides(bsdf: dict) -> dict:
     return {"type": "twosided", "bsdf": bsdf}
-
-
-def _place(part: Part, entry: dict):
-    angle = np.radians(float(entry.get("rotate_y", 0.0)))
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
-    part.positions = part.positions @ turn.T * float(entry.get("scale", 1.0)) + entry.get("translate", [0.0] * 3)
-    if part.normals is not None:
-        part.normals = part.normals @ turn.T
-
-
-def _reversed(part: Part, offset: float) -> Part:
-    """The triangles from behind, each moved by offset against its normal."""
-    corners = part.positions[part.triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    moved = corners - offset * normals[:, None, :]
-    return Part(
-        material=part.material,
-        positions=moved.reshape(-1, 3),
-        texcoords=None if part.texcoords is None else part.texcoords[part.triangles].reshape(-1, 2),
-        normals=None,
-        triangles=np.arange(3 * len(corners)).reshape(-1, 3)[:, ::-1],
-    )
 
 
 def _on_envmap_grid(texels: np.ndarray) -> np.ndarray:
