@@ -7,4 +7,12 @@ BEST = {
     "mitsuba": {
         "otherwise": {"variant": "llvm_ad_rgb", "sampler": "multijitter", "rr_depth": 5, "one_sided_lights": False},
     },
+    "cycles": {
+        "otherwise": {"variant": "CPU", "sampler": "TABULATED_SOBOL", "rr_depth": 0, "emission_sampling": "AUTO",
+                      "background_sampling": "AUTOMATIC", "light_tree": True, "guiding": False},
+    },
+    "luxcore": {
+        "otherwise": {"variant": "PATHCPU", "sampler": "SOBOL", "rr_depth": 5, "light_strategy": "LOG_POWER",
+                      "one_sided_lights": False},
+    },
 }
