@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fstream>
 #include <map>
 
 #include "catch.hpp"
@@ -111,7 +112,7 @@ TEST_CASE("raylab-bench render tells the error of each way against one reference
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   // A peer that is not there is named, not passed over.
-  CHECK(run.err.find("Mitsuba 3 left out: no --peer-python was given") != std::string::npos);
+  CHECK(run.err.find("peers left out: no --peer-python was given") != std::string::npos);
   const Results results = read_results(folder.path());
   const auto measured = rows_where(results, "spp", 4);
   const auto targets = rows_where(results, "question", "time to error");
@@ -135,12 +136,62 @@ TEST_CASE("raylab-bench render tells the error of each way against one reference
   // Nor is one that cannot be run.
   std::vector<std::string> with_peer = arguments;
   with_peer.insert(with_peer.end(), {"--peer-python", "/bin/false"});
-  CHECK(raylab_bench(with_peer).err.find("Mitsuba 3 left out: /bin/false cannot run it") != std::string::npos);
+  CHECK(raylab_bench(with_peer).err.find("mitsuba left out: /bin/false cannot run it") != std::string::npos);
   // The reference is made once: the second run finds it.
   const auto reference_time = [&] { return fs::last_write_time(*fs::directory_iterator(folder / "references")); };
   const auto before = reference_time();
   REQUIRE(raylab_bench(arguments).exit_code == 0);
   CHECK(reference_time() == before);
+}
+
+TEST_CASE("raylab-bench render takes from a peer what is measured long enough, and in pictures wide enough",
+          "[cli][bench]") {
+  const TempFolder folder;
+  // Answers as Mitsuba's command does, for 8 samples more than a second; no other peer is there.
+  const fs::path python = folder / "python";
+  write_exr(folder / "picture.exr", Image(400, 400));
+  std::ofstream(python) << R"(#!/bin/sh
+case $1 in */mitsuba_render.py) ;; *) exit 1 ;; esac
+[ "$2" = --probe ] && exit 0
+seconds=0.5
+while [ $# -gt 0 ]; do
+  case $1 in
+    --spp) [ "$2" -lt 8 ] || seconds=2.5 ;;
+    --output) for seed in 2 3 4 5; do cp "${0%/*}/picture.exr" "${2%/*}/$seed.exr"; done; [ "$3" = --json ] && json=$4 ;;
+    --seed) [ "$2" = 2 ] || exit 1 ;;
+  esac
+  shift
+done
+echo '{"version": "3", "variant": "fast", "settings": {"sampler": "good", "depth": 5}, "differences": ["none"],
+  "spp": 9, "start_up_seconds": {"import": 1, "build": 2},
+  "all_seconds": ['$seconds', '$seconds', '$seconds', '$seconds'],
+  "all_cpu_seconds": [4, 4, 4, 4]}' > "$json"
+)";
+  fs::permissions(python, fs::perms::owner_all);
+  std::vector<std::string> arguments{
+      "render", kCornell, "--accel", "bvh",   "--spp",   "1,8",           "--repeats",     "2",      "--reference-spp",
+      "2",      "--seed", "1",       "--out", "results", "--peer-python", python.string(), "--width"};
+  arguments[13] = (folder / "results").string();
+  std::vector<std::string> narrow = arguments;
+  narrow.push_back("399");
+  arguments.push_back("400");
+  CHECK(raylab_bench(narrow).err.find("no peers below a width of 400 pixels") != std::string::npos);
+  CHECK(rows_where(read_results(folder / "results"), "peer", "mitsuba").empty());
+  const ProgramResult run = raylab_bench(arguments);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.err.find("cycles left out") != std::string::npos);
+  CHECK(run.err.find("mitsuba with 1 samples a pixel takes 0.50 s, less than 1: not taken") != std::string::npos);
+  const auto rows = rows_where(read_results(folder / "results"), "peer", "mitsuba");
+  REQUIRE(rows.size() == 2);  // one point, and the time to an error
+  const Row& row = rows[0].contains("question") ? rows[1] : rows[0];
+  CHECK(row["renderer"] == "mitsuba 3 fast");
+  CHECK(row["settings"] == Row{"depth = 5", "sampler = good"});
+  CHECK(row["differences"] == Row{"none"});
+  CHECK(row["spp"] == 9);
+  CHECK(row["seconds"] == 2.5);
+  CHECK(row["start_up_seconds"] == 3.0);
+  CHECK(row["relmse_noise"] == 0.0);  // equal pictures
 }
 
 TEST_CASE("a reference of another size is refused by name", "[cli][bench]") {

@@ -119,7 +119,6 @@ def main():
         height=height,
         max_depth=max_depth,
         settings={
-            "variant": arguments.variant,
             "sampler": arguments.sampler,
             "rr_depth": arguments.rr_depth,
             "one_sided_lights": arguments.one_sided_lights,

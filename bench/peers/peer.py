@@ -104,6 +104,7 @@ class Command:
         row = {
             "peer": peer.name,
             "version": peer.version,
+            "variant": arguments.variant,
             "scene": arguments.scene.stem,
             "width": peer.width,
             "height": peer.height,

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "commands.hpp"
+#include "peer.hpp"
 #include "raylab/apps/program.hpp"
 #include "suite.hpp"
 
@@ -133,8 +134,16 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
   add_pictures(*command, options);
   command
       ->add_option("--peer-python", options.peer_python,
-                   "A Python that has the package mitsuba: Mitsuba 3 is then measured too")
+                   "A Python that has the package mitsuba, bpy or pyluxcore: Mitsuba 3, Cycles or LuxCore is then "
+                   "measured too, in pictures at least 400 pixels wide")
       ->envname("RAYLAB_PEER_PYTHON");
+  options.peers = peer_names();
+  command
+      ->add_option("--peers", options.peers,
+                   "Which of them, comma separated: NAME in its best way for the scene, or NAME:VARIANT, such as "
+                   "mitsuba:scalar_rgb or luxcore:BIDIRCPU")
+      ->delimiter(',')
+      ->capture_default_str();
   return command;
 }
 

@@ -33,6 +33,7 @@ struct RenderSuiteOptions : CommonOptions {
   std::string cache;
   double target_error = 0.01;
   std::string peer_python;
+  std::vector<std::string> peers;
 };
 
 struct NeedsOptions : CommonOptions {

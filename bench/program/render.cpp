@@ -4,7 +4,7 @@
 #include <map>
 
 #include "commands.hpp"
-#include "mitsuba.hpp"
+#include "peer.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/image/image_file.hpp"
@@ -104,8 +104,9 @@ std::string line_of(const Row& row) {
 /// Adds the row that says when the configuration of `row` reaches the target.
 void add_time_to_error(const SceneContext& context, Suite& suite, Row row, const std::vector<ErrorAtTime>& points) {
   const TimeToError time = time_to_error(points, context.options.target_error);
-  for (const char* field : {"spp", "runs", "seconds_min", "seconds_max", "cpu_seconds", "mpaths_per_second",
-                            "mrays_per_second", "relmse_error", "relmse_trimmed", "mean_ratio", "mean_ratio_error"}) {
+  for (const char* field :
+       {"spp", "runs", "seconds_min", "seconds_max", "cpu_seconds", "mpaths_per_second", "mrays_per_second",
+        "start_up_seconds", "relmse_noise", "relmse_error", "relmse_trimmed", "mean_ratio", "mean_ratio_error"}) {
     row.erase(field);
   }
   row["question"] = "time to error";
@@ -167,40 +168,79 @@ void measure_configurations(Suite& suite, const SceneContext& context, const std
   for (std::size_t i = 0; i < configurations.size(); ++i) add_time_to_error(context, suite, last[i], points[i]);
 }
 
-void measure_mitsuba(Suite& suite, const SceneContext& context) {
+/// Returns the relMSE that the peer's pictures have against their own mean. Where its model is not quite ours this is
+/// noise alone, with no share of the difference.
+double noise_of(const std::vector<PeerRun>& runs, const Image& reference) {
+  const auto n = static_cast<float>(runs.size());
+  Image mean = reference;
+  for (std::size_t i = 0; i < mean.pixels.size(); ++i) {
+    mean.pixels[i] = Rgb(0.0f);
+    for (const PeerRun& run : runs) mean.pixels[i] += run.image.pixels[i] / n;
+  }
+  double sum = 0.0;
+  for (const PeerRun& run : runs) {
+    Image noise = reference;
+    for (std::size_t i = 0; i < mean.pixels.size(); ++i) noise.pixels[i] += run.image.pixels[i] - mean.pixels[i];
+    sum += image_error(noise, reference).relmse;
+  }
+  return sum / (n - 1.0);
+}
+
+/// A peer's picture is taken where rendering is measured, not its launch: at this width and so many seconds a point.
+constexpr int kPeerWidth = 400;
+constexpr double kPeerSeconds = 1.0;
+
+void measure_peer(Suite& suite, const SceneContext& context, const Peer& peer) {
   std::vector<ErrorAtTime> points;
   Row row;
-  for (const int spp : context.options.spp) {
-    const RenderOptions o = options_for(context, Configuration(), spp, 0);
-    PeerRuns peer;
+  // The longest point comes first: where it is too short, so are all others.
+  for (auto spp = context.options.spp.rbegin(); spp != context.options.spp.rend(); ++spp) {
+    const RenderOptions o = options_for(context, Configuration(), *spp, 0);
+    const int runs = std::max(2, runs_of(context.options, *spp));
+    PeerRuns measured;
     try {
-      peer = render_with_mitsuba(context.options.peer_python, context.file, o, context.threads,
-                                 runs_of(context.options, spp));
+      measured = render_with(peer, context.options.peer_python, context.file, o, context.threads, runs);
     } catch (const Error& e) {
       suite.check();
       suite.note(std::string("left out: ") + e.what());
-      return;
+      break;
     }
-    std::vector<double> seconds;
+    suite.check();
+    std::vector<double> seconds, cpu_seconds;
     std::vector<ImageError> errors;
-    for (const PeerRun& run : peer.runs) {
+    for (const PeerRun& run : measured.runs) {
       seconds.push_back(run.seconds);
+      cpu_seconds.push_back(run.cpu_seconds);
       errors.push_back(image_error(run.image, context.reference.image));
     }
+    if (spread_of(seconds).median < kPeerSeconds) {
+      suite.note(format("%s: %s with %d samples a pixel takes %.2f s, less than %g: not taken",
+                        context.loaded.scene.name.c_str(), peer.name.c_str(), *spp, spread_of(seconds).median,
+                        kPeerSeconds));
+      break;
+    }
     row = scene_row(context);
-    row["renderer"] = peer.name;
-    row["accel"] = "mitsuba";
+    row["renderer"] = peer.name + " " + measured.version + " " + measured.variant;
+    row["accel"] = peer.name;
+    row["peer"] = peer.name;
+    row["version"] = measured.version;
+    row["settings"] = measured.settings;
+    row["differences"] = measured.differences;
     row["width"] = o.width;
     row["height"] = o.height;
-    row["spp"] = spp;
+    row["spp"] = measured.samples_per_pixel;
     row["max_depth"] = o.integrator.max_depth;
-    add_times(row, seconds, work_of(o));
+    RenderOptions taken = o;
+    taken.samples_per_pixel = measured.samples_per_pixel;
+    add_times(row, seconds, work_of(taken));
+    row["cpu_seconds"] = spread_of(cpu_seconds).median;
+    row["start_up_seconds"] = measured.start_up_seconds;
     add_fields(row, combine(errors, context.reference), context.reference);
-    points.push_back({row["seconds"], row["relmse"]});
+    row["relmse_noise"] = noise_of(measured.runs, context.reference.image);
+    points.insert(points.begin(), {row["seconds"], row["relmse_noise"]});
     suite.add({row}, {line_of(row)});
-    suite.check();
   }
-  add_time_to_error(context, suite, row, points);
+  if (!points.empty()) add_time_to_error(context, suite, row, points);
 }
 
 /// Renders with all accelerators from equal random numbers and records where the pictures differ, and by how much.
@@ -250,8 +290,14 @@ int render(const RenderSuiteOptions& given) {
   const InterruptGuard guard;
   const ThreadLimit limit(options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
-  const std::string no_mitsuba = why_no_mitsuba(options.peer_python);
-  if (!no_mitsuba.empty()) suite.note("Mitsuba 3 left out: " + no_mitsuba);
+  std::vector<Peer> peers;
+  if (options.peer_python.empty()) suite.note("peers left out: no --peer-python was given");
+  for (const std::string& name : options.peer_python.empty() ? std::vector<std::string>() : options.peers) {
+    const Peer peer = parse_peer(name);
+    const std::string reason = why_not(peer, options.peer_python);
+    if (reason.empty()) peers.push_back(peer);
+    if (!reason.empty()) suite.note(name + " left out: " + reason);
+  }
   std::filesystem::path cache = options.cache;
   if (cache.empty()) cache = suite.folder().path() / "references";
 
@@ -278,7 +324,11 @@ int render(const RenderSuiteOptions& given) {
     const SceneContext context{options.scenes[i], loaded, reference, options, threads};
     measure_configurations(suite, context, configurations, built);
     compare_pictures(suite, context, configurations, built);
-    if (no_mitsuba.empty()) measure_mitsuba(suite, context);
+    if (options_for(context, Configuration(), 1, 0).width < kPeerWidth && !peers.empty()) {
+      suite.note(format("%s: no peers below a width of %d pixels", loaded.scene.name.c_str(), kPeerWidth));
+      continue;
+    }
+    for (const Peer& peer : peers) measure_peer(suite, context, peer);
   }
   suite.finish();
   return 0;
