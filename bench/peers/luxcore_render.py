@@ -88,8 +88,9 @@ class SceneExport:
             albedo = self._texture(material.get("albedo", [1.0] * 3), name + "_color")
             # A reflected ray leans by median 0.866 fuzz in Raylab, by 2 alpha here; alpha is the roughness. The paint's
             # first layer alone, and with all of its light reflected at any angle.
-            values = {"type": "carpaint", "kd": BLACK["albedo"], "ka": BLACK["albedo"], "d": 0.0, "ks1": albedo, "r1": 1.0,
-                      "m1": 0.433 * material["fuzz"], "ks2": BLACK["albedo"], "ks3": BLACK["albedo"]}
+            black = BLACK["albedo"]
+            values = {"type": "carpaint", "kd": black, "ka": black, "d": 0.0, "ks1": albedo, "r1": 1.0,
+                      "m1": 0.433 * material["fuzz"], "ks2": black, "ks3": black}
         elif kind == "dielectric":
             values = {"type": "glass", "kr": [1.0] * 3, "kt": [1.0] * 3, "exteriorior": 1.0,
                       "interiorior": float(material.get("index", 1.5))}
@@ -129,8 +130,8 @@ class SceneExport:
         self._set("scene.camera", {
             "type": "perspective", "lookat.orig": [float(x) for x in camera.look_from],
             "lookat.target": [float(x) for x in camera.look_at], "up": [float(x) for x in camera.up],
-            "fieldofview": camera.vfov, "screenwindow": [-aspect, aspect, -1.0 - lift, 1.0 - lift], "autofocus.enable": False,
-            "lensradius": camera.lens_radius, "focaldistance": camera.focus_distance})
+            "fieldofview": camera.vfov, "screenwindow": [-aspect, aspect, -1.0 - lift, 1.0 - lift],
+            "autofocus.enable": False, "lensradius": camera.lens_radius, "focaldistance": camera.focus_distance})
 
 
 def main():
