@@ -72,13 +72,13 @@ def render(scene, seed: int, spp: int, pixels: int) -> Rendered:
 
 
 def compile_kernels(command: Command, scene, spp: int, pixels: int) -> float:
-    """Seconds in which kernels were generated and compiled. Those that Dr.Jit keeps on disk from an earlier run cost
-    next to nothing."""
+    """Renders once to warm up. Returns the seconds in which kernels were generated and compiled: next to nothing for
+    those that Dr.Jit keeps on disk from an earlier run."""
     import drjit
 
     with drjit.scoped_set_flag(drjit.JitFlag.KernelHistory, True):
         drjit.kernel_history_clear()
-        render(scene, 0, min(spp, 4), pixels)
+        render(scene, 0, spp, pixels)
         history = drjit.kernel_history()
     return sum(kernel.get("codegen_time", 0.0) + kernel.get("backend_time", 0.0) for kernel in history) / 1000.0
 
@@ -126,7 +126,6 @@ def main():
         differences=mitsuba_scene.differences(file, not arguments.one_sided_lights),
         render=lambda seed, spp: render(scene, seed, spp, width * height),
         start_up=start_up,
-        needs_warm_up=arguments.variant.startswith("llvm"),
     )
     command.measure(arguments, peer)
 

@@ -43,7 +43,6 @@ class Peer:
     differences: list[str]  # what of the scene is not the same as in Raylab
     render: Callable  # (seed, samples per pixel) -> Rendered
     start_up: dict[str, float] = field(default_factory=dict)  # seconds before rendering, by name
-    needs_warm_up: bool = False  # the first render compiles
 
 
 class Command:
@@ -90,14 +89,8 @@ class Command:
 
     def measure(self, arguments, peer: Peer):
         """Renders, prints what came out and writes the files asked for."""
-        pictures = []
-        if peer.needs_warm_up:
-            # With a seed of its own, so that its picture can serve for the mean.
-            warm_up = peer.render(arguments.seed + arguments.repeats, arguments.spp)
-            pictures.append(warm_up.picture)
-            peer.start_up["warm_up"] = warm_up.seconds
         runs = [peer.render(arguments.seed + repeat, arguments.spp) for repeat in range(arguments.repeats)]
-        pictures += [run.picture for run in runs]
+        pictures = [run.picture for run in runs]
         mean, error = mean_and_error(pictures)
         samples = runs[0].samples
         median = statistics.median(run.seconds for run in runs)
