@@ -137,6 +137,8 @@ TEST_CASE("raylab-bench render tells the error of each way against one reference
   std::vector<std::string> with_peer = arguments;
   with_peer.insert(with_peer.end(), {"--peer-python", "/bin/false"});
   CHECK(raylab_bench(with_peer).err.find("mitsuba left out: /bin/false cannot run it") != std::string::npos);
+  with_peer.insert(with_peer.end(), {"--peers", "povray:fast"});
+  expect_failure(with_peer, 2, "--peers: found povray:fast, expected mitsuba, cycles or luxcore");
   // The reference is made once: the second run finds it.
   const auto reference_time = [&] { return fs::last_write_time(*fs::directory_iterator(folder / "references")); };
   const auto before = reference_time();

@@ -30,6 +30,7 @@ BEST = {
         "bunny": {"sampler": "RANDOM"},
         "cornell": {"sampler": "RANDOM"},
         "dragon": {"sampler": "RANDOM"},
+        "globe": {"one_sided_lights": True},
         "mirror-room": {"sampler": "RANDOM"},
         "one-weekend": {"sampler": "RANDOM"},
     },
