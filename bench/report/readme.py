@@ -77,11 +77,10 @@ def bare_table(results):
 
 def picture_table(results):
     """Seconds to an equal error, of Raylab and of other renderers."""
+    rows = [row for row in results["rows"] if row.get("question") == "time to error"]
     body = []
-    for row in results["rows"]:
-        if row.get("question") != "time to error" or row.get("integrator", "path") != "path":
-            continue
-        if row.get("sampler", "sobol") != "sobol" and not row.get("renderer"):
+    for row in rows:
+        if row["width"] != max(r["width"] for r in rows if r["scene"] == row["scene"]) or row["width"] < 400:
             continue
         who = row.get("renderer") or f"`{style.variant(row)}`"
         approximately = "≈ " if row.get("extrapolated") else ""
