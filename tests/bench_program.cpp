@@ -2,10 +2,10 @@
 #include <fstream>
 #include <map>
 
+#include "bench_runs.hpp"
 #include "catch.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/measure/results.hpp"
-#include "run_program.hpp"
 #include "temp_folder.hpp"
 
 using namespace raylab;
@@ -13,24 +13,6 @@ using namespace raylab::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const std::string kCornell = RAYLAB_SOURCE_DIR "/scenes/cornell.toml";
-
-ProgramResult raylab_bench(const std::vector<std::string>& arguments) {
-  return run_program(RAYLAB_BINARY_DIR "/raylab-bench", arguments);
-}
-
-void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
-  const ProgramResult result = raylab_bench(arguments);
-  INFO(result.err);
-  CHECK(result.exit_code == exit_code);
-  CHECK(result.err.find("raylab-bench: ") != std::string::npos);
-  CHECK(result.err.find(part) != std::string::npos);
-}
-
-std::vector<std::string> quick_rays(const fs::path& out) {
-  return {"rays", kCornell, "--rays", "500", "--checked", "100", "--repeats", "1", "--out", out.string()};
-}
 
 std::vector<Row> rows_where(const Results& results, const std::string& field, const Row& value) {
   std::vector<Row> found;
@@ -357,94 +339,6 @@ TEST_CASE("raylab-bench profile tells the accelerator's share of a render", "[cl
   CHECK(rows[0]["estimated_relmse"].get<double>() > 0.0);
 }
 
-TEST_CASE("raylab-bench compare tells what changed", "[cli][bench]") {
-  const TempFolder folder;
-  const auto results = [](double speed) {
-    return R"({"machine": {"cpu": "a"}, "rows": [{"suite": "rays", "accel": "bvh", "mrays_per_second": {"median": )" +
-           std::to_string(speed) + R"(, "min": )" + std::to_string(speed) + R"(, "max": )" + std::to_string(speed) +
-           "}}]}";
-  };
-  fs::create_directory(folder / "old");
-  fs::create_directory(folder / "new");
-  write_text(folder / "old/results.json", results(2.0));
-  write_text(folder / "new/results.json", results(3.0));
-  const ProgramResult run = raylab_bench({"compare", (folder / "old").string(), (folder / "new").string()});
-  CHECK(run.exit_code == 0);
-  CHECK(run.out ==
-        "faster\n  suite=rays accel=bvh: mrays_per_second 2 -> 3 (1.500 times)\n"
-        "1 figures changed, 0 did not, beyond their noise\n");
-  write_text(folder / "new/results.json", R"({"machine": {"cpu": "b"}, "rows": []})");
-  expect_failure({"compare", (folder / "old").string(), (folder / "new").string()}, 2, "--any-machine");
-  CHECK(raylab_bench({"compare", "--any-machine", (folder / "old").string(), (folder / "new").string()}).exit_code ==
-        0);
-}
-
-TEST_CASE("raylab-bench compare --fail-on exits with 1 at what is worse, and tells it in JUnit's XML", "[cli][bench]") {
-  const TempFolder folder;
-  const auto results = [](double speed, int wrong) {
-    const std::string s = std::to_string(speed);
-    return R"({"machine": {"cpu": "a"}, "rows": [{"suite": "rays", "accel": "bvh", "rays_checked": 100, "wrong": )" +
-           std::to_string(wrong) + R"(, "mrays_per_second": {"median": )" + s + R"(, "min": )" + s + R"(, "max": )" +
-           s + "}}]}";
-  };
-  const std::string before = (folder / "old").string(), after = (folder / "new").string();
-  fs::create_directory(before);
-  fs::create_directory(after);
-  write_text(folder / "old/results.json", results(2.0, 1));
-  const auto exit_code = [&](double speed, int wrong, const std::string& fail_on) {
-    write_text(folder / "new/results.json", results(speed, wrong));
-    return raylab_bench({"compare", before, after, "--fail-on", fail_on, "--junit", (folder / "j.xml").string()})
-        .exit_code;
-  };
-  CHECK(exit_code(1.92, 1, "slower=5%,wrong") == 0);
-  CHECK(exit_code(1.88, 1, "slower=5%,wrong") == 1);
-  CHECK(exit_code(1.88, 1, "slower=10%,wrong") == 0);
-  CHECK(exit_code(3.0, 1, "slower=5%,wrong") == 0);
-  CHECK(exit_code(2.0, 2, "slower=5%") == 0);
-  CHECK(exit_code(2.0, 0, "wrong") == 0);
-  CHECK(exit_code(2.0, 2, "wrong") == 1);
-  CHECK(read_text(folder / "j.xml") ==
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"compare\" tests=\"1\" failures=\"1\">\n"
-        "  <testcase classname=\"compare\" name=\"suite=rays accel=bvh wrong\">\n"
-        "    <failure message=\"less accurate: wrong 0.01 -&gt; 0.02\"/>\n  </testcase>\n</testsuite>\n");
-  expect_failure({"compare", before, after, "--fail-on", "slower=5"}, 2, "slower=5%");
-  expect_failure({"compare", before, after, "--fail-on", "magic"}, 2, "magic");
-}
-
-TEST_CASE("raylab-bench compare --build finds the build that takes longer", "[cli][bench]") {
-  const TempFolder folder;
-  const std::string program = RAYLAB_BINARY_DIR "/raylab-render";
-  // The same program, after it has done what it is to do once already.
-  write_text(folder / "twice", "#!/bin/sh\n" + program + " \"$@\" && exec " + program + " \"$@\"\n");
-  fs::permissions(folder / "twice", fs::perms::owner_all);
-  const auto compare = [&](const std::string& before, const std::string& after) {
-    return raylab_bench({"compare", "--build", before, "--build", after, "--scene", kCornell, "--width", "40",
-                         "--seconds", "6", "--fail-on", "slower=50%", "--junit", (folder / "j.xml").string()});
-  };
-  const ProgramResult slower = compare(RAYLAB_BINARY_DIR, (folder / "twice").string());
-  INFO(slower.out << slower.err);
-  CHECK(slower.exit_code == 1);
-  CHECK(read_text(folder / "j.xml").find("<failure message=\"slower: ") != std::string::npos);
-  CHECK(compare((folder / "twice").string(), program).exit_code == 0);
-  expect_failure({"compare", "--build", program}, 2, "--build");
-  expect_failure({"compare", "--build", program, "--build", "/absent", "--scene", kCornell}, 2, "/absent");
-  expect_failure({"compare", "--build", program, "--build", program}, 2, "--scene");
-}
-
-TEST_CASE("raylab-bench rays --fail-on wrong exits with 1 where the book's test leaks", "[cli][bench]") {
-  const TempFolder folder;
-  const auto exit_code = [&](const std::string& intersector) {
-    return raylab_bench({"rays", kCornell, "--accel", "rtiow", "--intersector", intersector, "--rays", "4000",
-                         "--checked", "4000", "--repeats", "1", "--out", (folder / "out").string(), "--fail-on",
-                         "wrong", "--junit", (folder / "j.xml").string()})
-        .exit_code;
-  };
-  CHECK(exit_code("watertight") == 0);
-  CHECK(read_text(folder / "j.xml").find("failures=\"0\"") != std::string::npos);
-  CHECK(exit_code("book") == 1);
-  CHECK(read_text(folder / "j.xml").find("rtiow book\">\n    <failure message=\"wrong answers: ") != std::string::npos);
-}
-
 TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli][bench]") {
   const TempFolder folder;
   const std::string wait_then_stop =
@@ -480,61 +374,4 @@ TEST_CASE("raylab-bench tells bad input by its place, and exits as documented", 
   write_text(folder / "results.json", "{\"machine\": {\"cpu\": \"a\"},\n \"rows\": [{\"suite\": ");
   expect_failure({"report", folder.path().string()}, 3, "results.json:2:");
   expect_failure({"compare", folder.path().string(), folder.path().string()}, 3, "truncated");
-}
-
-TEST_CASE("raylab-bench report draws the same files from the same results", "[cli][bench]") {
-  const TempFolder folder;
-  REQUIRE(raylab_bench(quick_rays(folder.path())).exit_code == 0);
-  for (const char* suite : {"process", "threads", "profile"}) {
-    REQUIRE(
-        raylab_bench({suite, kCornell, "--width", "8", "--spp", "2", "--repeats", "1", "--out", folder.path().string()})
-            .exit_code == 0);
-  }
-  const ProgramResult run = raylab_bench({"report", folder.path().string()});
-  if (run.err.find("no python3 with matplotlib and scipy") != std::string::npos) {
-    CHECK(run.exit_code == 1);
-    WARN("left out: python3-matplotlib or python3-scipy is not installed");
-    return;
-  }
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
-  const std::string page = read_text(folder / "index.html");
-  const std::string chart = read_text(folder / "rays-cornell.svg");
-  CHECK(page.find("<figure id=\"rays-cornell\">") != std::string::npos);
-  CHECK(page.find("raylab-bench rays") != std::string::npos);
-  for (const char* part :
-       {"<figure id=\"process\">", "<figure id=\"profile\">", "<figure id=\"threads\">", "Speed-up with threads"})
-    CHECK(page.find(part) != std::string::npos);
-  REQUIRE(raylab_bench({"report", folder.path().string()}).exit_code == 0);
-  CHECK(read_text(folder / "rays-cornell.svg") == chart);
-  CHECK(read_text(folder / "index.html") == page);
-}
-
-TEST_CASE("report.py tells a row that does not conform to the schema by its place and field", "[cli][bench]") {
-  const TempFolder folder;
-  const auto report = [&](const std::string& fields) {
-    write_text(folder / "results.json",
-               R"({"machine": {}, "rows": [{"suite": "rays"}, {"suite": "ladder")" + fields + "}]}");
-    return run_program("/bin/sh", {"-c", R"(for python in python3 /usr/bin/python3; do
-                                              $python -c 'import matplotlib, scipy' 2> /dev/null && exec $python "$@"
-                                            done; exit 127)",
-                                   "sh", RAYLAB_SOURCE_DIR "/bench/report/report.py", folder.path().string()});
-  };
-  if (report("").exit_code == 127) {
-    WARN("left out: python3-matplotlib or python3-scipy is not installed");
-    return;
-  }
-  const std::pair<const char*, const char*> faults[] = {
-      {R"(, "thread": 1)", "rows[1]: thread: no field of the schema"},
-      {R"(, "threads": "two")", "rows[1]: threads: expected integer"},
-      {R"(, "bytes": true)", "rows[1]: bytes: expected integer"},
-      {R"(, "spp": 1)", "rows[1]: spp: no field of the suite ladder"},
-      {R"(, "mrays_per_second": {"median": 1})", "rows[1]: mrays_per_second: expected number for each of median"},
-      {R"(, "scene": "box")", "rows[1]: lacks the field step"}};
-  for (const auto& [fields, message] : faults) {
-    const ProgramResult run = report(fields);
-    INFO(run.err);
-    CHECK(run.exit_code == 3);
-    CHECK(run.err.find("results.json: " + std::string(message)) != std::string::npos);
-  }
 }

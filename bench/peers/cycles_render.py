@@ -199,16 +199,12 @@ def main():
     if arguments.probe:
         return
     start_up = {"import": command.seconds()}
-    try:
-        file = SceneFile(arguments.scene)
+    with command.telling_errors():
+        file = command.read_scene(arguments)
         start_up["read"] = command.seconds()
         exporter = SceneExport(file, arguments)
-    except (InputError, RuntimeError) as error:
-        command.fail(str(error))
     exporter.set_camera()
-    width, height = file.picture_size(arguments.width, arguments.height)
-    arguments.spp = arguments.spp or file.samples_per_pixel
-    depth = arguments.max_depth or file.max_depth
+    width, height, depth = arguments.width, arguments.height, arguments.max_depth
     bounces = max(0, depth - 2)  # the last segment that finds a light does not count
     settings = {
         "device": "CPU",

@@ -151,15 +151,11 @@ def main():
     if arguments.probe:
         return
     start_up = {"import": command.seconds()}
-    try:
-        file = SceneFile(arguments.scene)
+    with command.telling_errors():
+        file = command.read_scene(arguments)
         start_up["read"] = command.seconds()
         scene = SceneExport(file, not arguments.one_sided_lights)
-    except (InputError, RuntimeError) as error:
-        command.fail(str(error))
-    width, height = file.picture_size(arguments.width, arguments.height)
-    arguments.spp = arguments.spp or file.samples_per_pixel
-    depth = arguments.max_depth or file.max_depth
+    width, height, depth = arguments.width, arguments.height, arguments.max_depth
     scene.set_camera(width, height)
     start_up["build"] = command.seconds()
     # The roulette of the bidirectional engines is biased: with it mirror-room is brighter by 16%, without as ours.

@@ -98,16 +98,12 @@ def main():
 
     start_up = {"import": command.seconds()}
     drjit.set_thread_count(arguments.threads)
-    try:
-        file = mitsuba_scene.SceneFile(arguments.scene)
+    with command.telling_errors():
+        file = command.read_scene(arguments)
         start_up["read"] = command.seconds()
-        width, height = file.picture_size(arguments.width, arguments.height)
-        arguments.spp = arguments.spp or file.samples_per_pixel
-        max_depth = arguments.max_depth or file.max_depth
+        width, height, max_depth = arguments.width, arguments.height, arguments.max_depth
         exporter = mitsuba_scene.SceneExport(file, not arguments.one_sided_lights)
         scene = exporter.scene(width, height, max_depth, arguments.rr_depth, arguments.sampler)
-    except mitsuba_scene.InputError as error:
-        command.fail(str(error))
     start_up["build"] = command.seconds()
     if arguments.variant.startswith("llvm"):
         start_up["compile"] = compile_kernels(command, scene, arguments.spp, width * height)

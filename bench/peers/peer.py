@@ -10,6 +10,7 @@ import statistics
 import struct
 import sys
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable
@@ -20,6 +21,7 @@ try:
     import numpy as np
 except ImportError as error:
     sys.exit(f"{Path(sys.argv[0]).name}: NumPy is not installed (Python package numpy): {error}")
+from scene_file import InputError, SceneFile
 
 
 @dataclass
@@ -80,6 +82,22 @@ class Command:
 
     def fail(self, message: str):
         sys.exit(f"{self.name}_render.py: {message}")  # exit code 1
+
+    def read_scene(self, arguments) -> SceneFile:
+        """The scene file; what the options leave out of size, samples and depth is then the scene's."""
+        file = SceneFile(arguments.scene)
+        arguments.width, arguments.height = file.picture_size(arguments.width, arguments.height)
+        arguments.spp = arguments.spp or file.samples_per_pixel
+        arguments.max_depth = arguments.max_depth or file.max_depth
+        return file
+
+    @contextmanager
+    def telling_errors(self):
+        """Ends the program with one line where a scene cannot be read or built."""
+        try:
+            yield
+        except (InputError, RuntimeError) as error:
+            self.fail(str(error))
 
     def seconds(self) -> float:
         """Since this was called before, or since the start."""

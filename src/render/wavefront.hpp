@@ -3,7 +3,7 @@
 // What happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
 #include <cstddef>
 
-#include "core/simd/vector.hpp"
+#include "core/simd/permutation.hpp"
 #include "path_vertex.hpp"
 #include "shading_scene.hpp"
 

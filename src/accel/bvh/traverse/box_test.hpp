@@ -1,6 +1,6 @@
 #pragma once
 // Rays against the boxes of a node. Local to the including file, as all of the traversal is: see core/simd/lanes.hpp.
-#include "core/simd/vector.hpp"
+#include "core/simd/permutation.hpp"
 #include "geometry/slab_test.hpp"
 #include "kernel.hpp"
 
