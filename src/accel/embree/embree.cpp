@@ -151,8 +151,8 @@ class Embree final : public Accelerator {
   const BuildReport& build_report() const noexcept override { return report_; }
 
  private:
-  /// The answer to a ray that Embree cannot take: every primitive is tested if the origin is too far off, and nothing
-  /// is hit by a ray with a component that is no number or with no direction.
+  /// The answer to a ray that Embree cannot take: every primitive is tested if the origin is too far off. A ray with a
+  /// component that is no number or with no direction hits nothing, which need not be found by testing.
   std::optional<Hit> test_all(const Ray& ray) const {
     if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == vec3(0.0f)) return std::nullopt;
     const PrimitiveTest<Intersector::watertight> test(ray);
