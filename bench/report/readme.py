@@ -116,7 +116,9 @@ def section(results):
                   "coherent flag) and streams (`Np`), million rays a second (`raylab-bench embree`):", bare]
     if pictures := picture_table(results):
         parts += ["Whole pictures to an equal error, rendering alone, each renderer with the "
-                  "[best settings found](bench/peers/README.md):", pictures]
+                  "[best settings found](bench/peers/README.md). Of another renderer the error is its noise, the spread of its "
+                  "own pictures, since what it models otherwise would stay whatever the time; ≈: extrapolated, not "
+                  "reached:", pictures]
     if lines := [*process_lines(results), *thread_lines(results)]:
         parts.append("\n".join(lines))
     return "\n\n".join(parts)
