@@ -39,14 +39,22 @@ inline Vec3<float> three(const float (&v)[4]) { return {v[0], v[1], v[2]}; }
 
 /// The triangle in a lane of a block where floats do not decide it. Fills in all of the hit.
 template <class Block>
-[[gnu::noinline, gnu::cold]] bool hit_in_double(const Block& block, int lane, const TraversalRay& ray, float limit,
-                                                TraversalHit& hit) {
-  ScalarHit found;
+[[gnu::noinline, gnu::cold]] bool compute_in_double(const Block& block, int lane, const TraversalRay& ray, float limit,
+                                                    ScalarHit& hit) {
   const bool is_hit =
       watertight_in_double(PreparedRay(three(ray.origin), three(ray.direction)), corner_at(block, 0, lane),
-                           corner_at(block, 1, lane), corner_at(block, 2, lane), found);
-  hit = {found.t, found.u, found.v, block.first + static_cast<std::uint32_t>(lane)};
+                           corner_at(block, 1, lane), corner_at(block, 2, lane), hit);
   return is_hit && hit.t > ray.t_min() && hit.t <= limit;
+}
+/// No reference to `hit` is passed on, so that it stays in registers: a wide load of what was just written to memory
+/// in parts would wait for it.
+template <class Block>
+[[gnu::always_inline]] inline bool hit_in_double(const Block& block, int lane, const TraversalRay& ray, float limit,
+                                                 TraversalHit& hit) {
+  ScalarHit found;
+  const bool is_hit = compute_in_double(block, lane, ray, limit, found);
+  hit = {found.t, found.u, found.v, block.first + static_cast<std::uint32_t>(lane)};
+  return is_hit;
 }
 /// Distance to the plane of the triangle in a lane.
 template <class Block>

@@ -83,13 +83,15 @@ class RayTraversal {
 
   /// Adds what is yet to be visited, from `distance` on: the farthest first, or in any order with any_hit.
   void add(Ref ref, float distance) {
+    float* const distances = distances_;  // local, since to the compiler a store of a Ref could change the members
+    Ref* const refs = refs_;
     int at = ++top_;
-    for (; !any_hit && distances_[at - 1] < distance && at > 1; --at) {
-      distances_[at] = distances_[at - 1];
-      refs_[at] = refs_[at - 1];
+    for (; !any_hit && distances[at - 1] < distance && at > 1; --at) {
+      distances[at] = distances[at - 1];
+      refs[at] = refs[at - 1];
     }
-    distances_[at] = distance;
-    refs_[at] = ref;
+    distances[at] = distance;
+    refs[at] = ref;
   }
 
   [[gnu::always_inline]] void visit_node(const TreeView& tree) {
