@@ -16,8 +16,14 @@ struct MaterialLanes {
   F fuzz;
   F index;
 
+  /// From column(k) for the k-th of them.
+  template <class Column>
+  static MaterialLanes of(const Column& column) {
+    return {column(0), column(1), column(2)};
+  }
   MaskOf<F> is(Material::Kind k) const { return kind == F(static_cast<float>(k)); }
 };
+constexpr int kMaterialParameters = sizeof(MaterialLanes<float>) / sizeof(float);
 inline MaterialLanes<float> material_lanes(const Material& m) { return {static_cast<float>(m.kind), m.fuzz, m.index}; }
 
 /// A direction chosen by a BSDF.

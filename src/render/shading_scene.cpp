@@ -1,8 +1,19 @@
 #include "shading_scene.hpp"
 
-#include <iterator>
+#include <cstring>
 
 namespace raylab {
+
+namespace {
+
+MaterialRow material_row(const MaterialLanes<float>& material, float light_pdf_area, const Texture& color) {
+  MaterialRow row{{}, light_pdf_area, color.a, color.kind != Texture::Kind::solid};
+  static_assert(sizeof(row.parameters) == sizeof(material));
+  std::memcpy(row.parameters, &material, sizeof(material));
+  return row;
+}
+
+}  // namespace
 
 ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Accelerator& accelerator_,
                            const SceneNeeds& needs_, const IntegratorSettings& settings_)
@@ -18,17 +29,15 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
   materials.reserve(scene.materials.size() + 1);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
-    materials.push_back({static_cast<float>(m.kind), m.fuzz, m.index, lights.triangle_pdf_area(i), m.color.a,
-                         m.color.kind != Texture::Kind::solid});
+    materials.push_back(material_row(material_lanes(m), lights.triangle_pdf_area(i), m.color));
   }
-  materials.push_back({kMissKind, 0.0f, 0.0f, 0.0f, Rgb(0.0f), false});
-  static_assert(sizeof(MaterialRow) == kMaterialColumns * sizeof(float));
-  material_rows = &materials[0].kind;
+  MaterialLanes<float> miss{};
+  miss.kind = kMissKind;
+  materials.push_back(material_row(miss, 0.0f, {}));
+  material_rows = materials[0].parameters;
   few_materials = materials.size() <= kMostLanes;
   for (std::size_t i = 0; few_materials && i < materials.size(); ++i) {
-    const MaterialRow& m = materials[i];
-    const float row[] = {m.kind, m.fuzz, m.index, m.light_pdf_area, m.color.r, m.color.g, m.color.b};
-    for (std::size_t k = 0; k < std::size(row); ++k) material_columns[k][i] = row[k];
+    for (std::size_t k = 0; k < kColorColumn + 3; ++k) material_columns[k][i] = material_rows[i * kMaterialColumns + k];
   }
 }
 

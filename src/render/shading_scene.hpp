@@ -1,6 +1,7 @@
 #pragma once
 // What the wavefront reads of a scene. Its functions are compiled once for all instruction sets: they gather what the
 // lanes of a vector need from the scene's arrays, and do lane by lane what few lanes need.
+#include "bsdf.hpp"
 #include "lights.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/surface_point.hpp"
@@ -31,8 +32,16 @@ struct HitLanes {
   const std::uint32_t* primitive;
 };
 
-/// Floats of a ShadingScene::MaterialRow.
-inline constexpr std::uint32_t kMaterialColumns = 8;
+/// What shading reads of a material: a row of floats.
+struct MaterialRow {
+  float parameters[kMaterialParameters];  ///< its MaterialLanes
+  float light_pdf_area;                   ///< Lights::triangle_pdf_area of triangles that emit, else 0
+  Rgb color;                              ///< where it does not vary
+  bool varies;
+};
+inline constexpr int kLightPdfColumn = kMaterialParameters;
+inline constexpr int kColorColumn = kLightPdfColumn + 1;
+inline constexpr std::uint32_t kMaterialColumns = sizeof(MaterialRow) / sizeof(float);
 
 /// Points or directions of the lanes: arrays of x, y and z.
 using VectorLanes = float[3][kMostLanes];
@@ -51,14 +60,6 @@ struct ShadingScene {
   /// Radiance from outside the scene for some lanes, and Lights::environment_pdf.
   void environment(std::uint32_t lanes, const VectorLanes& direction, VectorLanes& radiance, float* pdf) const;
 
-  /// What shading reads of a material. The last row is that of rays that have hit nothing.
-  struct MaterialRow {
-    float kind, fuzz, index;
-    float light_pdf_area;  ///< Lights::triangle_pdf_area of triangles that emit, else 0
-    Rgb color;             ///< where it does not vary
-    bool varies;
-  };
-
   const Scene& scene;
   const Camera& camera;
   const Accelerator& accelerator;
@@ -66,7 +67,7 @@ struct ShadingScene {
   IntegratorSettings settings;
   Lights lights;
   bool sample_lights;
-  std::vector<MaterialRow> materials;
+  std::vector<MaterialRow> materials;  ///< the last is that of rays that have hit nothing
   // For the lanes of vectors: the same by rows, or of few materials by columns, and those of emitting triangles.
   const float* material_rows;
   bool few_materials;

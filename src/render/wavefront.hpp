@@ -146,7 +146,7 @@ class Wavefront {
     const HitLanes hits{hit_u_ + first, hit_v_ + first, hit_geometry_ + first, hit_primitive_ + first};
     scene_.fetch_surfaces(hits, __builtin_popcount(valid.bits()), surfaces_);
     const MaterialColumns column{scene_, WideUInt::load(surfaces_.material), valid};
-    const MaterialLanes<Wide> material{column(0), column(1), column(2)};
+    const auto material = MaterialLanes<Wide>::of(column);
     PathState<Wide> path = paths_.load(first);
 
     const WideMask missed = valid & (material.kind == Wide(kMissKind));
@@ -157,7 +157,7 @@ class Wavefront {
     const PointLanes<Wide> point = surface_points(first, hits, path);
     const WideVec3 color = surface_colors(column, hits, point);
     const WideMask lights = hit & material.is(Material::Kind::diffuse_light);
-    if (any(lights)) emitters(lights, first, hits, column(3), point, path, color);
+    if (any(lights)) emitters(lights, first, hits, column(kLightPdfColumn), point, path, color);
     const WideMask alive = hit & !lights;
     if (segment >= scene_.settings.max_depth || !any(alive)) return;
 
@@ -202,7 +202,7 @@ class Wavefront {
   }
 
   WideVec3 surface_colors(const MaterialColumns& column, const HitLanes& hits, const PointLanes<Wide>& point) {
-    const WideVec3 color(column(4), column(5), column(6));
+    const WideVec3 color(column(kColorColumn), column(kColorColumn + 1), column(kColorColumn + 2));
     if (surfaces_.varying == 0) return color;
     VectorLanes position, normal;
     store3(point.position, position);
