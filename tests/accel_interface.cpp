@@ -66,7 +66,7 @@ TEST_CASE("every built-in accelerator takes what its capabilities say, and refus
   }
   const Geometry geometry{{icosphere(vec3(0.0f), 1.0f, 2)}, {}};
   for (const char* name : {"list", "rtiow", "bvh", "embree", "embree-robust", "exact"}) {
-    const AcceleratorEntry& entry = find_accelerator(name);
+    const AcceleratorEntry entry = find_accelerator(name);
     for (const Choice& choice : choices) {
       INFO(name << " " << choice.option);
       if (entry.capabilities.*choice.taken) {

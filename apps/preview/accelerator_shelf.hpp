@@ -23,7 +23,7 @@ class AcceleratorShelf {
     if (const Accelerator* there = find(name)) return *there;
     const std::lock_guard building(building_);
     if (const Accelerator* there = find(name)) return *there;
-    const AcceleratorEntry& entry = find_accelerator(name);
+    const AcceleratorEntry entry = find_accelerator(name);
     std::unique_ptr<Accelerator> made = entry.make(geometry_, options_taken(entry, options_));
     const std::lock_guard lock(mutex_);
     return *(made_[name] = std::move(made));

@@ -25,7 +25,7 @@ constexpr int kSlowTile = 2;
 constexpr std::uint32_t kPassSamples = 1;
 
 RenderOptions for_live(RenderOptions options, const std::string& accel, const Geometry& geometry) {
-  const AcceleratorCapabilities& can = find_accelerator(accel).capabilities;
+  const AcceleratorCapabilities can = find_accelerator(accel).capabilities;
   const bool is_slow = can.is_exact || geometry.primitive_count() > can.largest_primitives;
   options.tile_size = is_slow ? kSlowTile : kTile;
   options.pass_samples = options.most_pass_samples = kPassSamples;

@@ -77,7 +77,7 @@ std::vector<Variant> variants(const CommonOptions& options, bool all_intersector
   if (qualities.empty()) qualities = {BuildQuality::balanced};
   std::vector<Variant> all;
   for (const std::string& name : names) {
-    const AcceleratorCapabilities& can = find_accelerator(name).capabilities;
+    const AcceleratorCapabilities can = find_accelerator(name).capabilities;
     for (const auto& quality : can.takes_quality ? qualities : std::vector<std::optional<BuildQuality>>{{}}) {
       for (const std::string& test : can.takes_intersector ? tests : std::vector<std::string>{""}) {
         all.push_back({name, test, quality, options.compact && can.takes_compact});

@@ -102,7 +102,7 @@ std::span<const AcceleratorEntry> accelerators() {
   return table();
 }
 
-const AcceleratorEntry& find_accelerator(std::string_view name) {
+AcceleratorEntry find_accelerator(std::string_view name) {
   check_names();
   std::vector<std::string> names;
   for (const AcceleratorEntry& entry : table()) {
@@ -140,7 +140,7 @@ AcceleratorOptions options_taken(const AcceleratorEntry& entry, AcceleratorOptio
 
 std::unique_ptr<Accelerator> make_accelerator(std::string_view name, const Geometry& geometry,
                                               const AcceleratorOptions& options) {
-  const AcceleratorEntry& entry = find_accelerator(name);
+  const AcceleratorEntry entry = find_accelerator(name);
   check_options(entry, options);
   return entry.make(geometry, options);
 }

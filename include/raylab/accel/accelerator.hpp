@@ -137,7 +137,7 @@ inline constexpr const char* kDefaultAccelerator = "bvh";
 std::span<const AcceleratorEntry> accelerators();
 
 /// The accelerator of that name. Throws Error (usage) for an unknown name, naming those there are.
-const AcceleratorEntry& find_accelerator(std::string_view name);
+AcceleratorEntry find_accelerator(std::string_view name);
 
 /// Throws Error (usage) for an option that the accelerator does not take, naming those that do. What one that
 /// judges its options for itself refuses is only known when it is built.
