@@ -181,63 +181,92 @@ class Embree final : public Accelerator {
     return original.empty() ? primitive : original[primitive];
   }
 
+  // Some packets are filled before the first of them is traced: Embree would otherwise wait for stores under way.
+  static constexpr std::size_t kAhead = 4;
+
   template <int n>
   void intersect_packets(const RayBatch& rays, const HitBatch& hits) const noexcept {
-    typename PacketTypes<n>::RayHit query;
-    Packet<n> packet;
-    prepare(query.ray);
-    for (std::size_t first = 0; first < rays.count; first += n) {
-      const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
-      fill(rays, first, count, coherence_, query.ray, packet);
-      std::memset(query.hit.geomID, 0xff, sizeof(query.hit.geomID));
-      embree_query(packet.valid, scene_.get(), query, packet.coherent);
-      if (packet.whole && !renumbered_) {
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC ivdep
-#endif
-        for (int i = 0; i < n; ++i) {  // as to_hit
-          const float above = query.ray.tfar[i] < query.ray.tnear[i] ? query.ray.tnear[i] : query.ray.tfar[i];
-          (hits.t + first)[i] = packet.far[i] < above ? packet.far[i] : above;
-          (hits.u + first)[i] = query.hit.u[i];
-          (hits.v + first)[i] = query.hit.v[i];
-          (hits.geometry + first)[i] = query.hit.geomID[i];
-          (hits.primitive + first)[i] = query.hit.primID[i];
-        }
-        continue;
+    typename PacketTypes<n>::RayHit queries[kAhead];
+    Packet<n> packets[kAhead];
+    for (auto& query : queries) prepare(query.ray);
+    for (std::size_t first = 0; first < rays.count; first += kAhead * n) {
+      const std::size_t end = std::min(rays.count, first + kAhead * n);
+      for (std::size_t at = first, k = 0; at < end; at += n, ++k) {
+        fill<true>(rays, at, packet_count<n>(end - at), coherence_, queries[k].ray, packets[k]);
+        std::memset(queries[k].hit.geomID, 0xff, sizeof(queries[k].hit.geomID));
       }
-      for (int i = 0; i < count; ++i) {
-        if (!packet.whole && packet.scale[i] == 0.0f) {
-          hits.set(first + static_cast<std::size_t>(i), test_all(rays.ray(first + static_cast<std::size_t>(i))));
-          continue;
-        }
-        hits.set(first + static_cast<std::size_t>(i),
-                 to_hit(query.ray.tfar[i], query.ray.tnear[i], packet.far[i], packet.whole ? 1.0f : packet.scale[i],
-                        query.hit.u[i], query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
+      for (std::size_t at = first, k = 0; at < end; at += n, ++k) {
+        embree_query(packets[k].valid, scene_.get(), queries[k], packets[k].coherent);
+        take_hits(rays, at, packet_count<n>(end - at), queries[k], packets[k], hits);
       }
     }
   }
 
   template <int n>
+  static int packet_count(std::size_t rays_left) {
+    return static_cast<int>(std::min<std::size_t>(n, rays_left));
+  }
+
+  template <int n, class RayHits>
+  void take_hits(const RayBatch& rays, std::size_t first, int count, const RayHits& query, const Packet<n>& packet,
+                 const HitBatch& hits) const {
+    if (packet.whole && !renumbered_) {
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC ivdep
+#endif
+      for (int i = 0; i < n; ++i) {  // as to_hit
+        const float above = query.ray.tfar[i] < query.ray.tnear[i] ? query.ray.tnear[i] : query.ray.tfar[i];
+        (hits.t + first)[i] = packet.far[i] < above ? packet.far[i] : above;
+        (hits.u + first)[i] = query.hit.u[i];
+        (hits.v + first)[i] = query.hit.v[i];
+        (hits.geometry + first)[i] = query.hit.geomID[i];
+        (hits.primitive + first)[i] = query.hit.primID[i];
+      }
+      return;
+    }
+    for (int i = 0; i < count; ++i) {
+      const std::size_t ray = first + static_cast<std::size_t>(i);
+      if (!packet.whole && packet.scale[i] == 0.0f) {
+        hits.set(ray, test_all(rays.ray(ray)));
+        continue;
+      }
+      hits.set(ray,
+               to_hit(query.ray.tfar[i], query.ray.tnear[i], packet.far[i], packet.whole ? 1.0f : packet.scale[i],
+                      query.hit.u[i], query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
+    }
+  }
+
+  template <int n>
   void occluded_packets(const RayBatch& rays, std::uint8_t* occluded_rays) const noexcept {
-    typename PacketTypes<n>::Ray query;
-    Packet<n> packet;
-    prepare(query);
-    for (std::size_t first = 0; first < rays.count; first += n) {
-      const int count = static_cast<int>(std::min<std::size_t>(n, rays.count - first));
-      fill(rays, first, count, coherence_, query, packet);
-      embree_query(packet.valid, scene_.get(), query, false);
-      std::uint8_t found[n];
-      for (int i = 0; i < n; ++i) found[i] = query.tfar[i] < 0.0f;
-      if (!packet.whole) {
-        for (int i = 0; i < count; ++i) {
-          if (packet.scale[i] == 0.0f) found[i] = test_all(rays.ray(first + static_cast<std::size_t>(i))).has_value();
-        }
+    typename PacketTypes<n>::Ray queries[kAhead];
+    Packet<n> packets[kAhead];
+    for (auto& query : queries) prepare(query);
+    for (std::size_t first = 0; first < rays.count; first += kAhead * n) {
+      const std::size_t end = std::min(rays.count, first + kAhead * n);
+      for (std::size_t at = first, k = 0; at < end; at += n, ++k) {
+        fill<false>(rays, at, packet_count<n>(end - at), coherence_, queries[k], packets[k]);
       }
-      if (count == n) {
-        std::memcpy(occluded_rays + first, found, n);
-      } else {
-        std::copy_n(found, count, occluded_rays + first);
+      for (std::size_t at = first, k = 0; at < end; at += n, ++k) {
+        embree_query(packets[k].valid, scene_.get(), queries[k], false);
+        take_occluded(rays, at, packet_count<n>(end - at), queries[k], packets[k], occluded_rays);
       }
+    }
+  }
+
+  template <int n, class Rays>
+  void take_occluded(const RayBatch& rays, std::size_t first, int count, const Rays& query, const Packet<n>& packet,
+                     std::uint8_t* occluded_rays) const {
+    std::uint8_t found[n];
+    for (int i = 0; i < n; ++i) found[i] = query.tfar[i] < 0.0f;
+    if (!packet.whole) {
+      for (int i = 0; i < count; ++i) {
+        if (packet.scale[i] == 0.0f) found[i] = test_all(rays.ray(first + static_cast<std::size_t>(i))).has_value();
+      }
+    }
+    if (count == n) {
+      std::memcpy(occluded_rays + first, found, n);
+    } else {
+      std::copy_n(found, count, occluded_rays + first);
     }
   }
 

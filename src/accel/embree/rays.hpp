@@ -35,13 +35,10 @@ constexpr std::int32_t size_bits(float x) { return bits_of(x) & 0x7fffffff; }
 /// No lane branches here, so that a packet is looked at as a whole.
 inline bool is_plain(float org_x, float org_y, float org_z, float dir_x, float dir_y, float dir_z, float t_min,
                      float t_max) {
-  const std::int32_t x = size_bits(dir_x), y = size_bits(dir_y), z = size_bits(dir_z);
-  constexpr std::int32_t least = bits_of(kSmallestDirection);
-  constexpr std::int32_t most = bits_of(kLargestDirection);
-  constexpr std::int32_t farthest = bits_of(kFarthestOrigin);
-  const int plain = int(size_bits(org_x) <= farthest) & int(size_bits(org_y) <= farthest) &
-                    int(size_bits(org_z) <= farthest) & int(x <= most) & int(y <= most) & int(z <= most) &
-                    (int(x >= least) | int(y >= least) | int(z >= least)) & int(bits_of(t_min) >= 0) &
+  const std::int32_t far = std::max(std::max(size_bits(org_x), size_bits(org_y)), size_bits(org_z));
+  const std::int32_t length = std::max(std::max(size_bits(dir_x), size_bits(dir_y)), size_bits(dir_z));
+  const int plain = int(far <= bits_of(kFarthestOrigin)) & int(length >= bits_of(kSmallestDirection)) &
+                    int(length <= bits_of(kLargestDirection)) & int(bits_of(t_min) >= 0) &
                     int(bits_of(t_min) < bits_of(kInfinity)) & int(bits_of(t_max) > 0) &
                     int(bits_of(t_max) <= bits_of(kInfinity));
   return plain != 0;
@@ -139,8 +136,12 @@ void prepare(Rays& out) {
   std::memset(out.mask, 0xff, sizeof(out.mask));
 }
 
-/// Fills a packet without empty lanes. Says whether all rays are plain; otherwise it leaves no packet.
-template <int n, class Rays>
+// What is found of some ray of a packet.
+constexpr int kNotPlain = 1, kApart = 2;
+
+/// Fills a packet without empty lanes. Says whether all rays are plain; otherwise it leaves no packet. For `closest`
+/// hits it also gives their ends, and says whether they are coherent.
+template <bool closest, int n, class Rays>
 bool fill_whole(const RayBatch& rays, std::size_t first, const Coherence& coherence, Rays& out, Packet<n>& packet) {
   const float* const org_x = rays.origin[0] + first;
   const float* const org_y = rays.origin[1] + first;
@@ -153,8 +154,7 @@ bool fill_whole(const RayBatch& rays, std::size_t first, const Coherence& cohere
   const Ray one = rays.ray(first);
   const float reach = coherence.reach;
   const float spread = coherence.spread * max_component(glm::abs(one.direction));
-  int plain = -1;
-  int apart = 0;
+  int found = 0;
   // One loop over all arrays becomes one pass of vector instructions; several would be unrolled before.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC ivdep
@@ -163,10 +163,16 @@ bool fill_whole(const RayBatch& rays, std::size_t first, const Coherence& cohere
     const float x = dir_x[i], y = dir_y[i], z = dir_z[i];
     const float near = plain_near(t_min[i]);
     const float far = plain_far(t_max[i]);
-    plain &= -int(is_plain(org_x[i], org_y[i], org_z[i], x, y, z, t_min[i], t_max[i]));
-    apart |= -(int(std::abs(x - one.direction.x) > spread) | int(std::abs(y - one.direction.y) > spread) |
-               int(std::abs(z - one.direction.z) > spread) | int(std::abs(org_x[i] - one.origin.x) > reach) |
-               int(std::abs(org_y[i] - one.origin.y) > reach) | int(std::abs(org_z[i] - one.origin.z) > reach));
+    found |= is_plain(org_x[i], org_y[i], org_z[i], x, y, z, t_min[i], t_max[i]) ? 0 : kNotPlain;
+    if constexpr (closest) {
+      const std::int32_t turned = std::max(std::max(size_bits(x - one.direction.x), size_bits(y - one.direction.y)),
+                                           size_bits(z - one.direction.z));
+      const std::int32_t moved =
+          std::max(std::max(size_bits(org_x[i] - one.origin.x), size_bits(org_y[i] - one.origin.y)),
+                   size_bits(org_z[i] - one.origin.z));
+      found |= (int(turned > bits_of(spread)) | int(moved > bits_of(reach))) != 0 ? kApart : 0;
+      packet.far[i] = far;
+    }
     out.org_x[i] = org_x[i];
     out.org_y[i] = org_y[i];
     out.org_z[i] = org_z[i];
@@ -175,18 +181,17 @@ bool fill_whole(const RayBatch& rays, std::size_t first, const Coherence& cohere
     out.dir_z[i] = z;
     out.tnear[i] = near;
     out.tfar[i] = far;
-    packet.far[i] = far;
     packet.valid[i] = -int(bits_of(near) <= bits_of(far));
   }
-  packet.coherent = apart == 0;
-  return plain != 0;
+  packet.coherent = closest && found == 0;
+  return (found & kNotPlain) == 0;
 }
 
 /// Fills a packet with rays [first, first + count) of the batch.
-template <int n, class Rays>
+template <bool closest, int n, class Rays>
 void fill(const RayBatch& rays, std::size_t first, int count, const Coherence& coherence, Rays& out,
           Packet<n>& packet) {
-  packet.whole = count == n && fill_whole(rays, first, coherence, out, packet);
+  packet.whole = count == n && fill_whole<closest>(rays, first, coherence, out, packet);
   if (packet.whole) return;
   packet.coherent = false;
   for (int i = 0; i < n; ++i) {
