@@ -1,5 +1,6 @@
 """The tables that open the page: what each accelerator gives on a scene, and what it costs in wrong answers."""
 
+import operator
 from html import escape
 
 import intervals
@@ -21,10 +22,20 @@ def ways_of(rows):
     return ways
 
 
-def tied(spreads):
-    """Which of {median, min, max} cannot be told from the one with the largest median: their ranges meet."""
-    first = max(spreads, key=lambda s: s["median"])
-    return [s["max"] >= first["min"] for s in spreads]
+# Medians of one run differ from those of another by less than this on a shared machine, where the ends of the ranges
+# do not: what lies within it of the best is marked too, so that two runs mark the same.
+AS_GOOD = 0.1
+AS_SHORT = 1e-3  # seconds: less is nothing that anyone waits for
+
+
+def as_fast(speeds):
+    """Which speeds are as good as the largest."""
+    return [speed >= (1.0 - AS_GOOD) * max(speeds) for speed in speeds]
+
+
+def as_short(seconds, least):
+    """Whether they are as good as the least ones."""
+    return seconds <= max((1.0 + AS_GOOD) * least, least + AS_SHORT)
 
 
 def limits(low, high):
@@ -42,7 +53,7 @@ def of_million(wrong, checked):
 def speed_columns(ways, kind, field):
     """The cells of a column of speeds, one a way."""
     known = {name: kinds[kind][field] for name, kinds in ways.items() if field in kinds.get(kind, ())}
-    best = dict(zip(known, tied(list(known.values())))) if known else {}
+    best = dict(zip(known, as_fast([s["median"] for s in known.values()]))) if known else {}
     any_kind = any(kind in kinds for kinds in ways.values())
     why = WHY_NOT[kind] if not any_kind else "no row holds its speed in batches"
     return [Cell(number(s["median"]), s["median"], limits(s["min"], s["max"]), best[name])
@@ -64,11 +75,11 @@ def wrong_columns(ways, kind):
     return cells
 
 
-def least_columns(ways, value, below=lambda row: ""):
+def least_columns(ways, value, is_best, below=lambda row: ""):
     """A column of which the least is the best, the same for all kinds of rays."""
     rows = [next(iter(kinds.values())) for kinds in ways.values()]
     least = min(map(value, rows))
-    return [Cell(number(value(row)), value(row), below(row), value(row) == least) for row in rows]
+    return [Cell(number(value(row)), value(row), below(row), is_best(value(row), least)) for row in rows]
 
 
 def is_own_test(row):
@@ -88,7 +99,7 @@ def picture_columns(ways, targets):
         elif not is_own_test(row):
             cells.append(missing("whole pictures are rendered with the accelerator's own triangle test"))
         elif found := seconds.get(style.variant({**row, "intersector": ""})):
-            cells.append(picture_cell(found, found["seconds"] == least))
+            cells.append(picture_cell(found, as_short(found["seconds"], least)))
         else:
             cells.append(missing("no whole picture was measured with it"))
     return cells
@@ -119,9 +130,10 @@ def scene_table(rows, targets):
                     ("batch", speed_columns(ways, kind, "mrays_per_second_batch"))]
     columns += [(f"at {name}", wrong_columns(ways, kind)) for kind, name in WRONG_KINDS.items()]
     columns += [
-        ("seconds", least_columns(ways, lambda row: row["build_seconds"],
+        ("seconds", least_columns(ways, lambda row: row["build_seconds"], as_short,
                             lambda row: limits(row["build_seconds_min"], row["build_seconds_max"]))),
-        (f"bytes a {primitive}", least_columns(ways, lambda row: row["bytes"] / (row["triangles"] + row["spheres"]))),
+        (f"bytes a {primitive}", least_columns(ways, lambda row: row["bytes"] / (row["triangles"] + row["spheres"]),
+                                               operator.eq)),
         (f"s to relMSE {targets[0]['target_relmse']:g}" if targets else "s to equal error",
          picture_columns(ways, targets))]
     groups = [("", 1), *((f"{kind}, million a second", 2) for kind in SPEED_KINDS), ("wrong answers in a million", 2),
@@ -157,8 +169,8 @@ def summary(scene, rows):
     says = (f"{scene}: {len(clean)} of {len(ways)} ways gave no wrong answer to {checked[best]:,} checked rays (below "
             f"{number(high)} in a million at 95%); the fastest of them is {best}: {speed(best)}.")
     if first != best:
-        spreads = [ways[name][kind]["mrays_per_second"] for name in (first, best)]
-        told = "cannot be told from it in speed" if all(tied(spreads)) else "is the fastest of all"
+        speeds = [ways[name][kind]["mrays_per_second"]["median"] for name in (first, best)]
+        told = "is as fast, within a tenth" if all(as_fast(speeds)) else "is the fastest of all"
         says += f" {first}, wrong on {wrong[first]:,} of {checked[first]:,}, {told}: {speed(first)}."
     return says
 
@@ -189,7 +201,7 @@ def html(results):
         "Speeds are medians, on one thread; small beneath them the least and the most of all repeats, which hold the "
         f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false "
         "misses, false hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. "
-        "Marked: the best of a column, and those that cannot be told from it: speeds whose ranges meet, and counts "
-        "that Fisher's exact test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the "
+        "Marked: the best of a column, and those that are as good: speeds and seconds within a tenth of it (or a "
+        "millisecond), which is what two runs differ by on a shared machine, and counts that Fisher's exact test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the "
         "renderer sends them.")
     return "\n".join([*parts[:1], f'<p class="notes">{reading}</p>', *parts[1:]])

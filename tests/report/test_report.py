@@ -222,8 +222,8 @@ class Sentences(unittest.TestCase):
 
     def test_what_noise_hides_is_called_a_tie(self):
         close = [rays_row("a", "diffuse", 5.0), rays_row("b", "diffuse", 5.5, wrong=3)]
-        self.assertIn("cannot be told from it in speed", answers.summary("box", results_of(*close)["rows"]))
-        self.assertEqual(answers.tied([spread(5.0), spread(5.5), spread(9.0)]), [False, False, True])
+        self.assertIn("is as fast, within a tenth", answers.summary("box", results_of(*close)["rows"]))
+        self.assertEqual(answers.as_fast([5.0, 8.2, 9.0]), [False, True, True])
 
     def test_the_pareto_line_holds_what_nothing_beats_in_both(self):
         self.assertEqual(rays_charts.front([(1, 5), (2, 6), (3, 2), (1, 7)]), [(1, 5), (3, 2)])
