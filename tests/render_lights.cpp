@@ -102,7 +102,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
       continue;
     }
     // The same emitter met by a ray: the same density and radiance, with the shadow ray ending on this side of it.
-    const vec3 to_target = s.target - p;
+    const vec3 to_target = s.position - p;
     const float length = glm::length(to_target);
     const auto hit = accelerator->intersect({p, s.wi, 0.999f * length, kInfinity});
     if (!hit || std::abs(hit->t - length) > 1e-3f * length) continue;  // its very rim
@@ -163,11 +163,33 @@ TEST_CASE("a distant sphere light keeps its small cone of directions", "[unit][l
     const Draw draw = random_draw(i);
     const LightSample s = lights.sample(vec3(0.0f), draw.select, draw.u);
     bad += std::abs(s.pdf * kPiD * 1e-10 - 1.0) > 1e-3;
-    farthest = std::max(farthest, static_cast<double>(std::hypot(s.target.x, s.target.y)));
+    farthest = std::max(farthest, static_cast<double>(std::hypot(s.position.x, s.position.y)));
   }
   CHECK(bad == 0);
   CHECK(farthest > 0.97);
   CHECK(farthest < 1.2);
+}
+
+TEST_CASE("a sphere light gives what its form factor says, however near it is", "[stability][lights]") {
+  // On a surface that faces its centre from distance d it is pi L (r / d)^2.
+  for (float gap = 1.0f; gap > 5e-7f; gap *= 0.1f) {
+    Scene scene;
+    add_sphere(scene, vec3(0.0f), 1.0f, light(grey(1.0f)));
+    const Lights lights(scene, scene_needs(scene));
+    const vec3 p(0.0f, 0.0f, 1.0f + gap);
+    constexpr int kSide = 200;
+    double sum = 0.0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const vec2 u((static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide);
+      const LightSample s = lights.sample(p, 0, u);
+      REQUIRE(s.pdf > 0.0f);
+      REQUIRE((s.end >= 0.0f && s.end < 1.0f));
+      sum += std::max(0.0f, -s.wi.z) / s.pdf;
+    }
+    const double d = p.z;
+    INFO("gap " << gap);
+    CHECK(sum / (kSide * kSide) == Approx(kPi / (d * d)).epsilon(2e-4));
+  }
 }
 
 TEST_CASE("a light whose colour varies is chosen with the density it is met with", "[statistical][lights]") {

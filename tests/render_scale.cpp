@@ -126,3 +126,51 @@ TEST_CASE("a closed room stays dark whatever shines outside", "[stability][scale
     }
   }
 }
+
+TEST_CASE("a lamp behind a cover lights nothing, down to a gap of sixteen units in the last place",
+          "[stability][scale]") {
+  for (const float base : {0.0f, 10.0f, 1000.0f}) {
+    const auto floor_light = [&](float gap, IntegratorKind kind) {
+      SeenScene scene;
+      const vec3 at(base, base, base);
+      add_quad(scene, at + vec3(-1, 0, -1), {0, 0, 2}, {2, 0, 0}, lambertian(grey(0.5f)));
+      add_quad(scene, at + vec3(-0.25f, 1, -0.25f), {0.5f, 0, 0}, {0, 0, 0.5f}, light(grey(10.0f)));
+      if (gap > 0.0f)
+        add_quad(scene, at + vec3(-0.3f, 1 - gap, -0.3f), {0.6f, 0, 0}, {0, 0, 0.6f}, lambertian(grey(0.0f)));
+      look(scene, at + vec3(0, 0.5f, 0.8f), at, 60.0f);
+      RenderOptions options = render_options(16, 16, 64, 3);
+      options.integrator.kind = kind;
+      return mean_luminance(render(scene, options)).mean;
+    };
+    const float ulp = next_float_up(base + 1.0f) - (base + 1.0f);
+    const double uncovered = floor_light(0.0f, IntegratorKind::path);
+    for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book, IntegratorKind::reference}) {
+      for (const float gap : {16.0f * ulp, 64.0f * ulp, 1024.0f * ulp}) {
+        INFO("at " << base << ", gap " << gap << " of ulp " << ulp);
+        CHECK(floor_light(gap, kind) < 2e-3 * uncovered);
+      }
+    }
+  }
+}
+
+TEST_CASE("a ground sphere of any radius is lit and shadowed as a plane is", "[stability][scale]") {
+  const auto ground_light = [&](float radius, bool plate, IntegratorKind kind) {
+    SeenScene scene;
+    if (radius > 0.0f) add_sphere(scene, {0, -radius, 0}, radius, lambertian(grey(0.5f)));
+    if (radius == 0.0f) add_quad(scene, {-50, 0, -50}, {0, 0, 100}, {100, 0, 0}, lambertian(grey(0.5f)));
+    add_quad(scene, {-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(10.0f)));
+    if (plate) add_quad(scene, {-9, 2, -9}, {18, 0, 0}, {0, 0, 18}, lambertian(grey(0.0f)));
+    look(scene, {0, 1, 2}, vec3(0.0f), 30.0f);
+    RenderOptions options = render_options(16, 16, 256, 3);
+    options.integrator.kind = kind;
+    return mean_luminance(render(scene, options)).mean;
+  };
+  for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book}) {
+    const double flat = ground_light(0.0f, false, kind);
+    for (const float radius : {1e2f, 1e3f, 1e4f, 1e5f, 1e6f, 1e7f}) {
+      INFO("radius " << radius);
+      CHECK(ground_light(radius, true, kind) == 0.0);
+      if (radius >= 1e3f) CHECK(ground_light(radius, false, kind) == Approx(flat).epsilon(0.02));
+    }
+  }
+}

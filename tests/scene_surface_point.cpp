@@ -263,6 +263,97 @@ TEST_CASE("no ray that leaves a sphere hits it, and one that enters it meets the
   }
 }
 
+TEST_CASE("no ray that leaves a ground sphere of any radius hits it, and the offset is that of the point",
+          "[stability][offset]") {
+  const FlushDenormals flush;
+  for (const Tested& tested : kTested) {
+    for (int exponent = 2; exponent <= 7; ++exponent) {
+      const float radius = std::pow(10.0f, static_cast<float>(exponent));
+      Geometry geometry;
+      geometry.spheres.push_back({vec3(0.0f, -radius, 0.0f), radius});
+      const auto accelerator = make(tested, geometry);
+      Random random(6);
+      int started = 0, returned = 0;
+      float largest_offset = 0.0f;
+      double worst_height = 0.0;
+      for (int k = 0; k < 2000; ++k) {
+        const vec3 eye = 10.0f * random.cube() + vec3(0.0f, 11.0f, 0.0f);
+        const vec3 d = random.direction();
+        const Ray ray{eye, vec3(d.x, -std::abs(d.y) - 0.1f, d.z)};
+        const auto hit = accelerator->intersect(ray);
+        if (!hit) continue;
+        ++started;
+        const auto point = surface_point(geometry, ray, *hit);
+        largest_offset =
+            std::max(largest_offset, (point.offset - 0x1p-47f * radius) / max_component(glm::abs(point.position)));
+        const double height = glm::length(dvec3(point.position) + dvec3(0.0, radius, 0.0)) - radius;
+        worst_height = std::max(worst_height, std::abs(height) / glm::length(dvec3(point.position)));
+        vec3 wi = random.around(point.ng);
+        if (glm::dot(wi, point.ng) < 0.0f) wi = -wi;
+        returned += accelerator->intersect({offset_origin(point, wi), wi}).has_value();
+      }
+      INFO(tested.label << ", radius " << radius);
+      CHECK(started > 1000);
+      CHECK(returned == 0);
+      CHECK(largest_offset < 8.0f * kUnitRoundoff);
+      CHECK(worst_height < 2e-7);
+    }
+  }
+}
+
+TEST_CASE("normals of spheres are finite where the point is the centre, and right seen from a million radii",
+          "[stability][offset]") {
+  const FlushDenormals flush;
+  Geometry geometry;
+  geometry.spheres = {{vec3(3e4f), 9e-4f}, {vec3(0.0f), 1.0f}};
+  Random random(9);
+  for (int k = 0; k < 2000; ++k) {
+    const vec3 d = random.direction();
+    const Ray at_tiny{vec3(3e4f) - 2.0f * d, d, 0.0f};
+    const auto tiny = surface_point(geometry, at_tiny, {2.0f, 0.0f, 0.0f, geometry.sphere_geometry(), 0});
+    REQUIRE(is_finite(tiny.ng));
+    REQUIRE(glm::length(tiny.ng) == Approx(1.0f));
+    REQUIRE(is_finite(offset_origin(tiny, d)));
+
+    const Ray far{0.9f * random.direction() - 1e6f * d, d};
+    const auto hit = make_accelerator("list", geometry)->intersect(far);
+    if (!hit || hit->primitive != 1) continue;
+    const dvec3 from(far.origin), along(far.direction);
+    const double a = glm::dot(along, along), b = glm::dot(from, along);
+    const dvec3 moment = glm::cross(from, along);
+    const dvec3 n = from + (-b - std::sqrt(a - glm::dot(moment, moment))) / a * along;
+    REQUIRE(glm::length(dvec3(surface_point(geometry, far, *hit).ng) - n) < 1e-6);
+  }
+}
+
+TEST_CASE("triangles of a few units in the last place have unit normals, and rays leave them", "[stability][offset]") {
+  const FlushDenormals flush;
+  Random random(10);
+  int valid = 0, far_off = 0;
+  for (int k = 0; k < 20'000; ++k) {
+    const vec3 base = vec3(1.0f) + 0.9f * random.cube();
+    const auto near = [&] {
+      vec3 p = base;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int steps = static_cast<int>(4.0f * random.unit()); steps > 0; --steps) p[axis] = next_float_up(p[axis]);
+      }
+      return p;
+    };
+    const vec3 p0 = near(), p1 = near();
+    const Triangle t{p0, p1, near()};
+    const dvec3 n = glm::cross(dvec3(t.p1) - dvec3(t.p0), dvec3(t.p2) - dvec3(t.p0));
+    if (n == dvec3(0.0)) continue;
+    ++valid;
+    const SurfacePoint point = point_on_triangle(t, 0.25f, 0.5f);
+    REQUIRE(is_finite(point.ng));
+    REQUIRE(is_finite(point.position));
+    REQUIRE((point.offset > 0.0f && point.offset < 1e-5f));
+    far_off += glm::length(dvec3(point.ng) - glm::normalize(n)) > 1e-6;
+  }
+  CHECK(valid > 15'000);
+  CHECK(far_off == 0);
+}
+
 TEST_CASE("a sphere just inside another is found from the outer one", "[stability][offset]") {
   // Radii 1 and 1 + 4e-5: any epsilon that serves a scene of this size steps over the gap.
   const FlushDenormals flush;

@@ -22,11 +22,20 @@ double sphere_power(const Sphere& s) {
   return 4.0 * static_cast<double>(kPi) * static_cast<double>(s.radius) * static_cast<double>(s.radius);
 }
 
-/// 1 - cos of the half angle under which a sphere is seen from squared distance d2 > r2; accurate for small angles.
-float one_minus_cos_max(float r2, float d2) {
-  const float sin2 = r2 / d2;
-  return sin2 / (1.0f + std::sqrt(std::max(0.0f, 1.0f - sin2)));
-}
+/// A sphere as seen from p. In double, since near its surface the distance to the centre cancels with the radius.
+struct SeenSphere {
+  dvec3 to_center;
+  double d2, r2;  ///< squared distance of the centre, squared radius
+
+  SeenSphere(const Sphere& sphere, const vec3& p)
+      : to_center(dvec3(sphere.center) - dvec3(p)),
+        d2(glm::dot(to_center, to_center)),
+        r2(static_cast<double>(sphere.radius) * sphere.radius) {}
+
+  bool from_inside() const { return d2 <= r2; }
+  /// 1 - cos of the half angle under which it is seen from outside; accurate for small angles.
+  double one_minus_cos_max() const { return r2 / d2 / (1.0 + std::sqrt((d2 - r2) / d2)); }
+};
 
 /// The least probability of an emitter in LightTable: numbers of 24 bits are good to 2^-14 of it.
 constexpr double kLeastOfTable = 0x1p-10;
@@ -119,9 +128,12 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   const double power = material_luminance_[material] * triangle_power(corners);
   if (!(power > 0.0)) return;
   const SurfacePoint point = point_on_triangle(corners, 0.0f, 0.0f);
+  // That of any point of the triangle is no larger than the largest of its corners'.
+  const float offset = std::max(
+      {point.offset, point_on_triangle(corners, 1.0f, 0.0f).offset, point_on_triangle(corners, 0.0f, 1.0f).offset});
   const Texture& texture = scene_.materials[material].color;
-  triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, point.offset, 0.0f,
-                        texture.a, mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
+  triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, offset, 0.0f, texture.a,
+                        mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
   powers.push_back(power);
 }
 
@@ -142,6 +154,7 @@ LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2
     light.radiance = scene_.environment.radiance(s.direction);
     light.pdf = environment_probability_ * s.pdf;
     light.infinite = true;
+    light.end = kInfinity;
     return light;
   }
   return sample_sphere(spheres_[chosen - triangles_.size()], p, u);
@@ -163,8 +176,9 @@ void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const
     for (int k = 0; k < 3; ++k) {
       out.radiance[k][i] = (&light.radiance.x)[k];
       out.wi[k][i] = (&light.wi.x)[k];
-      out.target[k][i] = (&light.target.x)[k];
+      out.position[k][i] = (&light.position.x)[k];
     }
+    out.end[i] = light.end;
     out.pdf[i] = light.pdf;
     if (light.infinite) out.infinite |= 1u << i;
   }
@@ -176,7 +190,8 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
   LightSample light;
   if (!(s.pdf > 0.0f)) return light;
   light.wi = s.wi;
-  light.target = s.target;
+  light.position = s.position;
+  light.end = s.end;
   light.pdf = s.pdf;
   light.radiance = emitter.radiance;
   if (emitter.varies) {
@@ -188,30 +203,28 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
 
 LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const vec2& u) const {
   const Sphere& sphere = scene_.geometry.spheres[sphere_id];
-  const vec3 to_center = sphere.center - p;
-  const float d2 = glm::dot(to_center, to_center);
-  const float r2 = sphere.radius * sphere.radius;
+  const SeenSphere seen(sphere, p);
   SurfacePoint point;
-  if (d2 <= r2) {
+  if (seen.from_inside()) {
     // From inside every point is seen: uniform over the surface.
     const vec3 on_unit = uniform_sphere<float>(u.x, u.y);
-    point = point_on_sphere(sphere, sphere.center + sphere.radius * on_unit);
+    point = point_on_sphere(sphere, on_unit);
   } else {
     // Uniform in the cone of directions that meet the sphere; the angle alpha at its centre gives the point
     // (pbrt-v4 §6.2.4).
-    const float d = std::sqrt(d2);
-    const float one_minus_cos = u.x * one_minus_cos_max(r2, d2);
-    const float cos_theta = 1.0f - one_minus_cos;
-    const float sin2_theta = std::max(0.0f, one_minus_cos * (1.0f + cos_theta));
-    const float sin_max = sphere.radius / d;
-    const float cos_alpha =
-        sin2_theta / sin_max + cos_theta * std::sqrt(std::max(0.0f, 1.0f - sin2_theta / (sin_max * sin_max)));
-    const float sin_alpha = std::sqrt(std::max(0.0f, 1.0f - cos_alpha * cos_alpha));
+    const double d = std::sqrt(seen.d2);
+    const double one_minus_cos = static_cast<double>(u.x) * seen.one_minus_cos_max();
+    const double cos_theta = 1.0 - one_minus_cos;
+    const double sin2_theta = std::max(0.0, one_minus_cos * (1.0 + cos_theta));
+    const double sin_max = std::sqrt(seen.r2) / d;
+    const double cos_alpha =
+        sin2_theta / sin_max + cos_theta * std::sqrt(std::max(0.0, 1.0 - sin2_theta / (sin_max * sin_max)));
+    const auto sin_alpha = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cos_alpha * cos_alpha)));
     float sine, cosine;
     sine_cosine_of_turn(u.y, sine, cosine);
-    const Frame frame(-to_center / d);
-    const vec3 n = frame.to_world(vec3(sin_alpha * cosine, sin_alpha * sine, cos_alpha));
-    point = point_on_sphere(sphere, sphere.center + sphere.radius * n);
+    const Frame frame(vec3(-seen.to_center / d));
+    const vec3 n = frame.to_world(vec3(sin_alpha * cosine, sin_alpha * sine, static_cast<float>(cos_alpha)));
+    point = point_on_sphere(sphere, n);
   }
   LightSample light;
   light.wi = glm::normalize(point.position - p);
@@ -221,7 +234,9 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
     light.pdf = 0.0f;
     return light;
   }
-  light.target = offset_origin(point, -light.wi);
+  light.position = point.position;
+  const vec3 way = point.position - p;
+  light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
   const Texture& texture = scene_.materials[material].color;
   const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(point.ng) : vec2(0.0f);
   light.radiance = texture_color(texture, scene_.textures, point.position, uv);
@@ -240,14 +255,12 @@ float Lights::triangle_pdf_area(std::uint32_t material) const {
 
 float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position,
                                    const vec3& wi) const {
-  const vec3 to_center = sphere.center - p;
-  const float d2 = glm::dot(to_center, to_center);
-  const float r2 = sphere.radius * sphere.radius;
-  if (d2 > r2) return 1.0f / (2.0f * kPi * one_minus_cos_max(r2, d2));
+  const SeenSphere seen(sphere, p);
+  if (!seen.from_inside()) return static_cast<float>(1.0 / (2.0 * static_cast<double>(kPi) * seen.one_minus_cos_max()));
   const vec3 to_light = hit_position - p;
   const vec3 n = (hit_position - sphere.center) / sphere.radius;
   const float cosine = std::abs(glm::dot(n, wi));
-  return cosine > 0.0f ? glm::dot(to_light, to_light) / (cosine * 4.0f * kPi * r2) : 0.0f;
+  return cosine > 0.0f ? glm::dot(to_light, to_light) / (cosine * 4.0f * kPi * static_cast<float>(seen.r2)) : 0.0f;
 }
 
 float Lights::sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,

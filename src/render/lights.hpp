@@ -12,7 +12,8 @@ namespace raylab {
 /// A point or direction that light comes from.
 struct LightSample {
   vec3 wi;           ///< unit, from the shaded point
-  vec3 target;       ///< where the shadow ray ends: off the emitter's surface on the near side; unused if infinite
+  vec3 position;     ///< on the emitter; unused if infinite
+  float end = 0.0f;  ///< where the shadow ray ends, as a share of the way to the position; infinity if infinite
   Rgb radiance;      ///< that arrives when nothing is in between
   float pdf = 0.0f;  ///< per steradian at the shaded point, choice of the emitter included; 0: nothing to see
   bool infinite = false;
@@ -25,7 +26,8 @@ struct LightLanes {
   alignas(64) std::uint32_t emitter[kMost];  ///< index into Lights::emitting_triangles()
   alignas(64) float radiance[3][kMost];
   alignas(64) float wi[3][kMost];
-  alignas(64) float target[3][kMost];
+  alignas(64) float position[3][kMost];
+  alignas(64) float end[kMost];
   alignas(64) float pdf[kMost];
   std::uint32_t triangles;  ///< bit i: lane i is an emitting triangle of constant radiance
   std::uint32_t infinite;   ///< bit i: light from outside the scene; no target
@@ -51,9 +53,6 @@ struct LightTable {
   alignas(64) float cdf[kMost];        ///< [i]: least number that chooses an emitter after i
   alignas(64) float columns[kColumns][kMost];
 };
-
-/// Shadow rays end short of their target by more than the rounding of t; the rest is in the target's own offset.
-inline constexpr float kShadowEnd = 1.0f - 32.0f * kUnitRoundoff;
 
 /// All emitters of a scene, chosen with probability in proportion to their power: triangles, spheres and, where
 /// SceneNeeds asks for it, the environment. Views the scene, which must outlive it.

@@ -106,8 +106,8 @@ Vec3<F> ray_start(const PathVertex<F>& v, const Vec3<F>& direction, RayOffset of
 /// A sample of a light as seen from a vertex: see LightSample.
 template <class F>
 struct SampledLight {
-  Vec3<F> wi, target, radiance;
-  F pdf;
+  Vec3<F> wi, position, radiance;
+  F end, pdf;
   MaskOf<F> infinite;
 };
 
@@ -136,8 +136,8 @@ ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const 
   ray.usable = ray.usable & (f.pdf > F(0.0f));
   if (!any(ray.usable)) return ray;
   ray.origin = ray_start(v, light.wi, offset);
-  ray.direction = select<F>(light.infinite, light.wi, light.target - ray.origin);
-  ray.t_max = select(light.infinite, F(kInfinity), F(kShadowEnd));
+  ray.direction = select<F>(light.infinite, light.wi, light.position - ray.origin);
+  ray.t_max = light.end;
   ray.radiance = path.throughput * f.value * light.radiance * (mis_weight(light.pdf, f.pdf) / light.pdf);
   return ray;
 }

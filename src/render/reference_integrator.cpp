@@ -35,7 +35,7 @@ Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathSt
   const std::uint64_t select = static_cast<std::uint64_t>(choice.first) << 32 | choice.second;
   const LightSample light = s.lights.sample(v.point.position, select, {u.x, u.y});
   const ShadowRay<float> ray = shadow_ray<float>(
-      v, path, {light.wi, light.target, light.radiance, light.pdf, light.infinite}, s.settings.ray_offset);
+      v, path, {light.wi, light.position, light.radiance, light.end, light.pdf, light.infinite}, s.settings.ray_offset);
   if (!ray.usable) return Rgb(0.0f);
   ++counts.shadow;
   return s.accelerator.occluded({ray.origin, ray.direction, 0.0f, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);

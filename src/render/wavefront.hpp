@@ -193,7 +193,7 @@ class Wavefront {
     if (surfaces_.spheres != 0) {
       const WideMask spheres = WideMask::of(surfaces_.spheres);
       PointLanes<Wide> on_sphere;
-      place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin + Wide::load(hit_t_ + first) * path.direction, on_sphere);
+      place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin, path.direction, Wide::load(hit_t_ + first), on_sphere);
       point.position = select<Wide>(spheres, on_sphere.position, point.position);
       point.ng = select<Wide>(spheres, on_sphere.ng, point.ng);
       point.offset = select(spheres, on_sphere.offset, point.offset);
@@ -288,15 +288,16 @@ class Wavefront {
     store3(position, p);
     scene_.lights.sample(lanes.bits(), choice_high, choice_low, u_x, u_y, {p[0], p[1], p[2]}, light_);
     const WideMask triangles = WideMask::of(light_.triangles);
-    SampledLight<Wide> light{load3(light_.wi), load3(light_.target), load3(light_.radiance), Wide::load(light_.pdf),
-                             WideMask::of(light_.infinite)};
+    SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
+                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite)};
     if (any(triangles)) {
       constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
       const WideUInt chosen = WideUInt::load(light_.emitter) * row;
       const SampledLight<Wide> s =
           sample_triangles([&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, u);
       light.wi = select<Wide>(triangles, s.wi, light.wi);
-      light.target = select<Wide>(triangles, s.target, light.target);
+      light.position = select<Wide>(triangles, s.position, light.position);
+      light.end = select(triangles, s.end, light.end);
       light.radiance = select<Wide>(triangles, s.radiance, light.radiance);
       light.pdf = select(triangles, s.pdf, light.pdf);
     }
@@ -309,7 +310,7 @@ class Wavefront {
     const auto three = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
     const EmittingTriangle<Wide> emitter{three(0), three(3), three(6), three(9), column(12), column(13)};
     const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, position, u);
-    return {s.wi, s.target, three(14), s.pdf, WideMask::of(0)};
+    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0)};
   }
 
   /// Scatters, and keeps the paths that go on.

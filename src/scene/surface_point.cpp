@@ -20,15 +20,19 @@ SurfacePoint point_on_triangle(const Triangle& t, float u, float v) {
   return as_surface_point(p);
 }
 
-SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& near) {
+SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& n) {
   PointLanes<float> p;
-  place_on_sphere<float>(sphere.center, sphere.radius, near, p);
+  place_on_sphere<float>(Vec3<double>(sphere.center), sphere.radius,
+                         static_cast<double>(sphere.radius) * Vec3<double>(n), p);
   return as_surface_point(p);
 }
 
 SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   if (geometry.is_sphere(hit.geometry)) {
-    SurfacePoint point = point_on_sphere(geometry.spheres[hit.primitive], ray.at(hit.t));
+    const Sphere& sphere = geometry.spheres[hit.primitive];
+    PointLanes<float> p;
+    place_on_sphere<float>(sphere.center, sphere.radius, ray.origin, ray.direction, hit.t, p);
+    SurfacePoint point = as_surface_point(p);
     point.uv = sphere_texcoords(point.ng);
     return point;
   }

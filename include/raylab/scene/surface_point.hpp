@@ -20,8 +20,8 @@ SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& 
 /// Point (1-u-v) p0 + u p1 + v p2 of a triangle, with its geometric normal and offset.
 SurfacePoint point_on_triangle(const Triangle& triangle, float u, float v);
 
-/// The point of the sphere closest to p, with the outward normal there and the offset.
-SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& p);
+/// The point of the sphere in unit direction n from its centre, with n for its normal, and the offset.
+SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& n);
 
 /// Start of a ray that leaves the point towards `direction`, on that direction's side of the surface.
 vec3 offset_origin(const SurfacePoint& point, const vec3& direction);

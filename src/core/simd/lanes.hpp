@@ -127,6 +127,11 @@ template <class F>
 Vec3<F> select(const MaskOf<F>& mask, const Vec3<F>& yes, const Vec3<F>& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
+/// Of doubles, each rounded to float.
+template <class D>
+auto to_float(const Vec3<D>& v) {
+  return Vec3<decltype(to_float(v.x))>(to_float(v.x), to_float(v.y), to_float(v.z));
+}
 template <class F>
 MaskOf<F> is_black(const Vec3<F>& c) {
   return (c.x == F(0.0f)) & (c.y == F(0.0f)) & (c.z == F(0.0f));
