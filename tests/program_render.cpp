@@ -106,6 +106,8 @@ TEST_CASE("raylab-render writes each picture it is asked for and reports what it
   CHECK(json.at("spp") == 4);
   CHECK(json.at("partial") == false);
   CHECK(json.at("threads") == 2);
+  CHECK(json.at("clamped_samples") == 0);
+  CHECK(json.at("faded_samples") == 0);
 }
 
 TEST_CASE("the options of raylab-render reach the picture", "[cli]") {

@@ -174,3 +174,19 @@ TEST_CASE("a ground sphere of any radius is lit and shadowed as a plane is", "[s
     }
   }
 }
+
+TEST_CASE("a metal of any fuzz reflects all of a lamp that it sees nothing but", "[stability][scale]") {
+  for (const float fuzz : {0.0f, 1e-8f, 1e-7f, 1e-6f, 1e-5f, 1e-4f, 2e-4f, 3e-4f, 1e-3f, 1e-2f, 0.1f}) {
+    for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book}) {
+      SeenScene scene;
+      add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, metal(grey(0.5f), fuzz));
+      add_quad(scene, {-4, 1, -4}, {8, 0, 0}, {0, 0, 8}, light(grey(2.0f)));
+      look(scene, {0, 0.9f, 0.3f}, vec3(0.0f), 20.0f);
+      RenderOptions options = render_options(16, 16, 256, 3);
+      options.integrator.kind = kind;
+      const Estimate seen = mean_luminance(render(scene, options));
+      INFO("fuzz " << fuzz << (kind == IntegratorKind::path ? ", path" : ", book") << ": error " << seen.error);
+      CHECK(seen.mean == Approx(1.0).epsilon(1e-3));
+    }
+  }
+}

@@ -183,6 +183,25 @@ TEST_CASE("samples that are not finite are dropped, counted, and the first can b
   }
 }
 
+TEST_CASE("samples too bright or too dark for the film are counted", "[unit][session]") {
+  struct Case {
+    float radiance;
+    std::uint64_t too_bright, too_dark;
+  };
+  for (const Case& c : {Case{1e13f, 64, 0}, Case{1e12f, 0, 0}, Case{1.0f, 0, 0}, Case{1e-12f, 0, 0},
+                        Case{1e-13f, 0, 64}, Case{1e-30f, 0, 64}, Case{0.0f, 0, 0}}) {
+    Scene scene;
+    set_sky(scene, Rgb(c.radiance, 0.0f, 0.0f));
+    const auto accelerator = make_accelerator("list", scene.geometry);
+    RenderSession session(scene, *accelerator, render_options(4, 4, 4));
+    session.run();
+    INFO("radiance " << c.radiance);
+    CHECK(session.stats().too_bright == c.too_bright);
+    CHECK(session.stats().too_dark == c.too_dark);
+    CHECK(session.stats().dropped == 0);
+  }
+}
+
 TEST_CASE("a session that has run is finished and does not run again", "[unit][session]") {
   const SeenScene scene = varied_scene();
   const auto accelerator = make_accelerator("list", scene.geometry);

@@ -65,6 +65,13 @@ std::string report_text(const RenderReport& r) {
   } else {
     text += "dropped    0 samples\n";
   }
+  if (s.too_bright > 0)
+    text += format("clamped    %" PRIu64 " samples brighter than %.2g count as that much: weaken the lights\n",
+                   s.too_bright, ExactSum::kLargest);
+  if (s.too_dark > 0)
+    text +=
+        format("faded      %" PRIu64 " samples darker than %.2g have lost precision, or all: strengthen the lights\n",
+               s.too_dark, ExactSum::kLeast);
   return text;
 }
 
@@ -113,6 +120,8 @@ std::string report_json(const RenderReport& r) {
   if (r.estimated_relmse < kInfinity) json["estimated_relmse"] = r.estimated_relmse;
   json["dropped_samples"] = s.dropped;
   if (s.dropped > 0) json["replay"] = replay_command(r);
+  json["clamped_samples"] = s.too_bright;
+  json["faded_samples"] = s.too_dark;
   json["partial"] = r.partial;
   return json.dump(2) + "\n";
 }

@@ -77,11 +77,15 @@ V mirror(const V& wo) {
   return {-wo.x, -wo.y, wo.z};
 }
 
+/// Metal that blurs less than this is sampled by scattering alone, as a mirror is: a direction's rounding, 2^-23, would
+/// count beside the width of its lobe, so that no density fits the directions.
+constexpr float kLeastFuzz = 0x1p-12f;
+
 /// Where light sampling can contribute: diffuse surfaces and metal that blurs.
 template <class F>
 MaskOf<F> has_density(const MaterialLanes<F>& m) {
   const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
-  const MaskOf<F> rough = m.is(Material::Kind::metal) & (m.fuzz > F(0.0f));
+  const MaskOf<F> rough = m.is(Material::Kind::metal) & (m.fuzz >= F(kLeastFuzz));
   return lambertian | rough;
 }
 
@@ -97,7 +101,7 @@ BsdfValue<F> eval_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const Ve
   F pdf(0.0f);
   const MaskOf<F> lambertian = m.is(Material::Kind::lambertian);
   if (any(lambertian)) pdf = select(lambertian, wi.z * F(kInvPi), pdf);
-  const MaskOf<F> rough = m.is(Material::Kind::metal) & (m.fuzz > F(0.0f));
+  const MaskOf<F> rough = m.is(Material::Kind::metal) & (m.fuzz >= F(kLeastFuzz));
   if (any(rough)) pdf = select(rough, fuzzy_mirror_pdf<F>(mirror(wo), wi, m.fuzz, false), pdf);
   pdf = select(wi.z > F(0.0f), pdf, F(0.0f));
   return {color * pdf, pdf};
@@ -133,9 +137,9 @@ BsdfSample<F> sample_bsdf(const MaterialLanes<F>& m, const Vec3<F>& color, const
       s.weight = select(reflected, color, s.weight);
     }
     s.wi = select(smooth, r, s.wi);
-    s.pdf = select(smooth, F(0.0f), s.pdf);
     s.weight = select(smooth, color, s.weight);
-    s.delta = smooth;
+    s.delta = metal & (m.fuzz < F(kLeastFuzz));
+    s.pdf = select(s.delta, F(0.0f), s.pdf);
   }
   const MaskOf<F> dielectric = m.is(Material::Kind::dielectric);
   if (any(dielectric)) {

@@ -52,15 +52,26 @@ std::array<const float*, 3> from(const BatchRadiance& radiance, std::size_t firs
   return {radiance[0].data() + first, radiance[1].data() + first, radiance[2].data() + first};
 }
 
-/// Whether some samples are all finite and not negative.
-bool usable(const BatchRadiance& radiance, std::size_t first, std::size_t count) {
-  int unusable = 0;
+/// Whether the film keeps all of some samples: each channel is 0 or within its range.
+bool in_range(const BatchRadiance& radiance, std::size_t first, std::size_t count) {
+  int outside = 0;
   for (const float* const samples : from(radiance, first)) {
     for (std::size_t i = 0; i < count; ++i) {
-      unusable |= static_cast<int>(!(samples[i] >= 0.0f && samples[i] <= std::numeric_limits<float>::max()));
+      outside |= static_cast<int>(samples[i] != 0.0f) &
+                 static_cast<int>(!(samples[i] >= ExactSum::kLeast && samples[i] <= ExactSum::kLargest));
     }
   }
-  return unusable == 0;
+  return outside == 0;
+}
+
+/// Counts a sample that is too bright or too dark for the film. Returns false for one that is to be dropped: negative
+/// or not finite.
+bool count_range(const Rgb& sample, RenderStats& stats) {
+  const float least = std::min({sample.r, sample.g, sample.b}), most = max_component(sample);
+  if (!(least >= 0.0f && most < kInfinity) || !is_finite(sample)) return false;
+  stats.too_bright += most > ExactSum::kLargest ? 1 : 0;
+  stats.too_dark += most > 0.0f && most < ExactSum::kLeast ? 1 : 0;
+  return true;
 }
 
 }  // namespace
@@ -76,6 +87,8 @@ CameraSample camera_sample(const Camera& camera, const RenderOptions& options, i
 void RenderStats::add(const RenderStats& other) {
   rays.add(other.rays);
   dropped += other.dropped;
+  too_bright += other.too_bright;
+  too_dark += other.too_dark;
   seconds += other.seconds;
   if (other.first_dropped) {
     const auto key = [](const DroppedSample& d) { return std::tuple(d.y, d.x, d.sample); };
@@ -158,12 +171,12 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   const auto trace = [&] {
     integrator_.trace(paths, radiance, stats.rays);
     for (const Run& run : runs) {
-      if (usable(radiance, run.first, run.count)) [[likely]] {
+      if (in_range(radiance, run.first, run.count)) [[likely]] {
         gathered.add(run.x, run.y, from(radiance, run.first), run.count);
         continue;
       }
       for (std::size_t i = run.first; i < run.first + run.count; ++i) {
-        if (usable(radiance, i, 1)) {
+        if (count_range({radiance[0][i], radiance[1][i], radiance[2][i]}, stats)) {
           gathered.add(run.x, run.y, from(radiance, i), 1);
         } else {
           RenderStats dropped;

@@ -18,6 +18,7 @@ namespace raylab {
 class ExactSum {
  public:
   static constexpr double kLargest = 0x1p40;  ///< terms are clamped to this size
+  static constexpr double kLeast = 0x1p-40;   ///< below, a term loses more than 2^-15 of itself, and vanishes at 2^-55
   static constexpr int kFractionBits = 55;
 
   /// x must not be NaN.

@@ -59,6 +59,8 @@ struct RenderStats {
   RayCounts rays;
   std::uint64_t dropped = 0;                   ///< samples that were NaN, infinite or negative
   std::optional<DroppedSample> first_dropped;  ///< the first in picture order, then sample order
+  std::uint64_t too_bright = 0;                ///< samples that the film has clamped to ExactSum::kLargest
+  std::uint64_t too_dark = 0;                  ///< samples, not black, of which it keeps little or nothing
   double seconds = 0.0;                        ///< wall clock spent rendering
 
   void add(const RenderStats& other);
