@@ -180,7 +180,7 @@ TEST_CASE("a metal of any fuzz reflects all of a lamp that it sees nothing but",
     for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::book}) {
       SeenScene scene;
       add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, metal(grey(0.5f), fuzz));
-      add_quad(scene, {-4, 1, -4}, {8, 0, 0}, {0, 0, 8}, light(grey(2.0f)));
+      add_quad(scene, {-400, 1, -400}, {800, 0, 0}, {0, 0, 800}, light(grey(2.0f)));
       look(scene, {0, 0.9f, 0.3f}, vec3(0.0f), 20.0f);
       RenderOptions options = render_options(16, 16, 256, 3);
       options.integrator.kind = kind;

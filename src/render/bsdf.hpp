@@ -79,7 +79,7 @@ V mirror(const V& wo) {
 
 /// Metal that blurs less than this is sampled by scattering alone, as a mirror is: a direction's rounding, 2^-23, would
 /// count beside the width of its lobe, so that no density fits the directions.
-constexpr float kLeastFuzz = 0x1p-12f;
+constexpr float kLeastFuzz = 0x1p-16f;
 
 /// Where light sampling can contribute: diffuse surfaces and metal that blurs.
 template <class F>

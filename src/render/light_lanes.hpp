@@ -15,10 +15,10 @@ struct EmittingTriangle {
   F pdf_area;  ///< choice included
 };
 
-/// Where a shadow ray ends, as a share of the way to a point of an emitter with unit normal ng; inv_facing is
-/// 1 / |way · ng|. It is so far above the emitter's plane that it cannot meet it: the point's offset and the rounding of
-/// the way. What covers an emitter from farther off casts its shadow; a share of the way, such as 0.999, would let a
-/// lamp shine through. 1, 2 and 3 roundings are seen to fail for a tiny lamp far away, 4 are not.
+/// Where a shadow ray ends, as a share of the way to a point of an emitter with unit normal ng, where inv_facing is
+/// 1 / |dot(way, ng)|: so far above the emitter's plane that it cannot meet it, which is the point's offset and the
+/// rounding of the way. What covers an emitter from farther off casts its shadow; a share of the way, such as 0.999,
+/// would let a lamp shine through. 1, 2 and 3 roundings are seen to fail for a tiny lamp far away, 4 are not.
 template <class F>
 F shadow_end(const Vec3<F>& way, const Vec3<F>& ng, const F& offset, const F& inv_facing) {
   const F rounding = F(gamma_bound(4)) * dot(abs(way), abs(ng));
