@@ -51,6 +51,33 @@ TEST_CASE("the point looked at is in the middle of the picture", "[unit][camera]
   CHECK(glm::dot(camera.up(), s.up) > 0.0f);
 }
 
+TEST_CASE("pixels stay where they are from the widest to the narrowest field of view", "[stability][camera]") {
+  for (const double vfov : {0.01, 0.02, 0.05, 0.1, 1.0, 40.0, 120.0, 170.0, 179.0}) {
+    for (const float focus : {1e-3f, 1.0f, 1e6f}) {
+      CameraSettings s = settings();
+      s.vfov = static_cast<float>(vfov);
+      s.focus_distance = focus;
+      s.look_from += vec3(1e5f);
+      s.look_at = s.look_from + vec3(3, -1, -5);
+      const Camera camera(s, 800, 600);
+      const dvec3 forward = glm::normalize(dvec3(3, -1, -5));
+      const dvec3 right = glm::normalize(glm::cross(forward, dvec3(s.up)));
+      const dvec3 up = glm::cross(right, forward);
+      const double pixel = 2.0 * std::tan(static_cast<double>(s.vfov) / 360.0 * 3.14159265358979323846) / 600.0;
+      double farthest = 0.0;
+      for (int k = 0; k <= 8; ++k) {
+        const vec2 at(100.0f * static_cast<float>(k), 600.0f - 75.0f * static_cast<float>(k));
+        const dvec3 d(camera.ray(at.x, at.y, vec2(0.5f)).direction);
+        const double z = glm::dot(d, forward);
+        farthest = std::max({farthest, std::abs(glm::dot(d, right) / z / pixel - (at.x - 400.0)),
+                             std::abs(glm::dot(d, up) / z / pixel - (300.0 - at.y))});
+      }
+      INFO("vfov " << vfov << ", focus " << focus);
+      CHECK(farthest < 0.2);
+    }
+  }
+}
+
 TEST_CASE("picture positions are pixels from the upper left, square, under the vertical field of view",
           "[unit][camera]") {
   const Camera camera(settings(), 640, 480);

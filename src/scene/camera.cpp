@@ -11,6 +11,9 @@ namespace raylab {
 
 namespace {
 
+/// Of the distance. A direction of three floats is good to 2^-24, which is a 64th of it.
+constexpr double kNarrowPixel = 0x1p-18;
+
 [[noreturn]] void bad(const std::string& key, const std::string& message) {
   throw Error(ErrorKind::input, "camera." + key, message);
 }
@@ -48,9 +51,12 @@ Camera::Camera(const CameraSettings& s, int width, int height) {
   forward_ = vec3(forward);
   right_ = vec3(right);
   up_ = vec3(up);
-  rays_.corner = vec3(static_cast<double>(s.focus_distance) * forward - 0.5 * pixel * width * right + half_height * up);
-  rays_.step_x = vec3(pixel * right);
-  rays_.step_y = vec3(-pixel * up);
+  const double focus = s.focus_distance;
+  rays_.exact = {focus * forward - 0.5 * pixel * width * right + half_height * up, pixel * right, -pixel * up};
+  rays_.corner = vec3(rays_.exact.corner);
+  rays_.step_x = vec3(rays_.exact.step_x);
+  rays_.step_y = vec3(rays_.exact.step_y);
+  rays_.narrow = pixel < kNarrowPixel * focus;
   rays_.has_lens = s.defocus_angle > 0.0f;
   const double lens_radius =
       sine_cosine_of_degrees(0.5 * static_cast<double>(s.defocus_angle)).tangent() * s.focus_distance;

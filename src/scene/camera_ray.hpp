@@ -9,7 +9,14 @@ namespace {
 template <class F>
 void camera_ray(const Camera::Rays& camera, const F& x, const F& y, const Vec2<F>& lens, Vec3<F>& origin,
                 Vec3<F>& direction) {
-  direction = Vec3<F>(camera.corner) + x * Vec3<F>(camera.step_x) + y * Vec3<F>(camera.step_y);
+  if (camera.narrow) {
+    using D = DoubleOf<F>;
+    const auto exact = [](const dvec3& v) { return Vec3<D>(D(v.x), D(v.y), D(v.z)); };
+    direction =
+        to_float(exact(camera.exact.corner) + D(x) * exact(camera.exact.step_x) + D(y) * exact(camera.exact.step_y));
+  } else {
+    direction = Vec3<F>(camera.corner) + x * Vec3<F>(camera.step_x) + y * Vec3<F>(camera.step_y);
+  }
   origin = Vec3<F>(camera.origin);
   if (!camera.has_lens) return;
   F disk_x, disk_y;

@@ -31,6 +31,10 @@ class Camera {
     vec3 step_x, step_y;  ///< of one pixel
     vec3 lens_x, lens_y;  ///< from the centre of the lens to its rim
     bool has_lens;
+    bool narrow;  ///< a pixel is so small that rounding would move it: corner and steps are read from `exact`
+    struct {
+      dvec3 corner, step_x, step_y;
+    } exact;
   };
   const Rays& rays() const { return rays_; }
 
