@@ -115,7 +115,8 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
     if (std::abs(glm::dot(point.ng, s.wi)) < 0.02f) continue;
     worst_pdf = std::max(worst_pdf, std::abs(1.0 - static_cast<double>(pdf) / s.pdf));
     if (scene.materials[material].color.kind != Texture::Kind::checker) {
-      const Rgb met = texture_color(scene.materials[material].color, scene.textures, point.position, point.uv);
+      const Rgb met = texture_color(scene.materials[material].color, scene.textures, point.position, point.uv,
+                                    address_mode_of_v(scene.geometry.is_sphere(hit->geometry)));
       worst_radiance = std::max(worst_radiance, static_cast<double>(glm::length(met - s.radiance)) / luminance(met));
     }
   }

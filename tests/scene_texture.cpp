@@ -1,6 +1,8 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "raylab/accel/accelerator.hpp"
+#include "raylab/scene/surface_point.hpp"
 #include "raylab/scene/texture.hpp"
 #include "test_scenes.hpp"
 
@@ -99,4 +101,45 @@ TEST_CASE("the mean luminance of a texture is that of its colours", "[unit][text
   CHECK(mean_luminance(color(1, 0, 0), {}) == Approx(0.2126));
   CHECK(mean_luminance(checker(1.0f, Rgb(1.0f), Rgb(0.0f)), {}) == Approx(0.5));
   CHECK(mean_luminance(image, scene.textures) == Approx(0.5 * (0.2126 + 3.0 * 0.7152)));
+}
+
+TEST_CASE("at its poles a sphere shows the rows that lie there, not those of the other pole", "[stability][texture]") {
+  Scene scene;
+  const Texture halves = picture(scene, 8, 4, [](int, int y) { return Rgb(y < 2 ? 1.0f : 0.0f); });
+  add_sphere(scene, vec3(0.0f), 1.0f, lambertian(halves));
+  set_sky(scene, Rgb(1.0f));
+  const auto accelerator = make_accelerator("list", scene.geometry);
+  for (const float pole : {1.0f, -1.0f}) {
+    for (int k = 0; k < 64; ++k) {
+      const float x = 1e-4f * static_cast<float>(k % 8 - 4), z = 1e-4f * static_cast<float>(k / 8 - 4);
+      const Ray ray{{x, 3.0f * pole, z}, {0, -pole, 0}};
+      const auto hit = accelerator->intersect(ray);
+      REQUIRE(hit);
+      const SurfacePoint point = surface_point(scene.geometry, ray, *hit);
+      const Rgb color = texture_color(halves, scene.textures, point.position, point.uv, address_mode_of_v(true));
+      CHECK(color.r == (pole > 0.0f ? 1.0f : 0.0f));
+    }
+  }
+}
+
+TEST_CASE("a plane on the boundary of checker cells has one colour a cell", "[stability][texture]") {
+  // Its points lie exactly on the boundary, as its corners do; beside it they would be speckled.
+  for (const float height : {0.0f, 0.3f, 1.0f, 7.1f, 1000.0f}) {
+    Scene scene;
+    add_quad(scene, {-1, height, -1}, {0, 0, 2}, {2, 0, 0}, lambertian(grey(0.5f)));
+    const Texture cubes = checker(0.1f, Rgb(1.0f), Rgb(0.0f));
+    const auto accelerator = make_accelerator("bvh", scene.geometry);
+    int different = 0;
+    for (int k = 0; k < 1000; ++k) {
+      const float x = 0.013f + 0.1f * static_cast<float>(k % 3) * 2.0f, z = 0.011f + 0.00007f * static_cast<float>(k);
+      const Ray ray{{x + 0.5f, height + 2.0f, z - 0.3f}, vec3(x, height, z) - vec3(x + 0.5f, height + 2.0f, z - 0.3f)};
+      const auto hit = accelerator->intersect(ray);
+      REQUIRE(hit);
+      const vec3 p = surface_point(scene.geometry, ray, *hit).position;
+      different +=
+          texture_color(cubes, {}, p, vec2(0.0f)) != texture_color(cubes, {}, vec3(p.x, height, p.z), vec2(0.0f));
+    }
+    INFO("height " << height);
+    CHECK(different == 0);
+  }
 }

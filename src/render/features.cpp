@@ -12,7 +12,8 @@ namespace {
 Rgb albedo_of(const Scene& scene, const Hit& hit, const SurfacePoint& point) {
   const Material& m = scene.materials[scene.material_of(hit.geometry, hit.primitive)];
   if (m.kind == Material::Kind::dielectric) return Rgb(1.0f);
-  const Rgb color = texture_color(m.color, scene.textures, point.position, point.uv);
+  const Rgb color = texture_color(m.color, scene.textures, point.position, point.uv,
+                                  address_mode_of_v(scene.geometry.is_sphere(hit.geometry)));
   return m.kind == Material::Kind::diffuse_light ? glm::min(color, Rgb(1.0f)) : color;
 }
 

@@ -239,7 +239,7 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
   light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
   const Texture& texture = scene_.materials[material].color;
   const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(point.ng) : vec2(0.0f);
-  light.radiance = texture_color(texture, scene_.textures, point.position, uv);
+  light.radiance = texture_color(texture, scene_.textures, point.position, uv, AddressMode::clamp);
   return light;
 }
 

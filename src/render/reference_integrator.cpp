@@ -61,7 +61,8 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     const SurfacePoint point = surface_point(scene.geometry, ray, *hit);
     const std::uint32_t material_id = scene.material_of(hit->geometry, hit->primitive);
     const Material& material = scene.materials[material_id];
-    const Rgb color = texture_color(material.color, scene.textures, point.position, point.uv);
+    const Rgb color = texture_color(material.color, scene.textures, point.position, point.uv,
+                                    address_mode_of_v(scene.geometry.is_sphere(hit->geometry)));
     if (material.kind == Material::Kind::diffuse_light)
       return radiance + emitted(s, path, *hit, material_id, point, color);
     if (segment >= s.settings.max_depth) return radiance;

@@ -90,13 +90,15 @@ void ShadingScene::look_up_colors(const HitLanes& hits, const VectorLanes& posit
   for (std::uint32_t lanes = out.varying; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     const Texture& texture = scene.materials[scene.material_of(hits.geometry[i], hits.primitive[i])].color;
+    const bool on_sphere = (out.spheres >> i & 1u) != 0;
     vec2 uv(0.0f);
     if (texture.kind == Texture::Kind::image) {
-      uv = (out.spheres >> i & 1u) != 0 ? sphere_texcoords({ng[0][i], ng[1][i], ng[2][i]})
-                                        : interpolated_texcoords(scene.geometry.meshes[hits.geometry[i]],
-                                                                 hits.primitive[i], hits.u[i], hits.v[i]);
+      uv = on_sphere ? sphere_texcoords({ng[0][i], ng[1][i], ng[2][i]})
+                     : interpolated_texcoords(scene.geometry.meshes[hits.geometry[i]], hits.primitive[i], hits.u[i],
+                                              hits.v[i]);
     }
-    const Rgb color = texture_color(texture, scene.textures, {position[0][i], position[1][i], position[2][i]}, uv);
+    const Rgb color = texture_color(texture, scene.textures, {position[0][i], position[1][i], position[2][i]}, uv,
+                                    address_mode_of_v(on_sphere));
     for (int k = 0; k < 3; ++k) out.color[k][i] = (&color.x)[k];
   }
 }

@@ -37,14 +37,19 @@ struct Texture {
   }
 };
 
-/// Bilinear look-up with repeat; texel centres at half-integers; v upwards.
-Rgb sample_image(const TextureImage& image, const vec2& uv);
+/// What a picture shows above its first row and below its last one: on meshes it repeats, on a sphere, whose poles lie
+/// there, the row goes on.
+enum class AddressMode : std::uint8_t { repeat, clamp };
+constexpr AddressMode address_mode_of_v(bool on_sphere) { return on_sphere ? AddressMode::clamp : AddressMode::repeat; }
+
+/// Bilinear look-up, repeating along u; texel centres at half-integers; v upwards.
+Rgb sample_image(const TextureImage& image, const vec2& uv, AddressMode mode_of_v = AddressMode::repeat);
 
 /// Colour of the texture at world position p and texture coordinates uv.
-inline Rgb texture_color(const Texture& texture, const std::vector<TextureImage>& images, const vec3& p,
-                         const vec2& uv) {
+inline Rgb texture_color(const Texture& texture, const std::vector<TextureImage>& images, const vec3& p, const vec2& uv,
+                         AddressMode mode_of_v = AddressMode::repeat) {
   if (texture.kind == Texture::Kind::solid) return texture.a;
-  if (texture.kind == Texture::Kind::image) return sample_image(images[texture.image], uv);
+  if (texture.kind == Texture::Kind::image) return sample_image(images[texture.image], uv, mode_of_v);
   const vec3 cell = glm::floor(p / texture.size);
   // Parity in float: cells too large for an integer type are even, and nothing overflows.
   const float sum = cell.x + cell.y + cell.z;
