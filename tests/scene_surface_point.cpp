@@ -384,6 +384,38 @@ TEST_CASE("a sphere just inside another is found from the outer one", "[stabilit
   }
 }
 
+TEST_CASE("rays leave a closed box only where their start is rounded onto an edge", "[stability][offset]") {
+  // Any offset would let these go: the start lies in the plane of the next wall, the nearest float being there. Of the
+  // points of a face half a unit in the last place, over the size, lie so near to an edge.
+  const FlushDenormals flush;
+  for (const float at : {0.0f, 10.0f, 1e3f, 1e4f, 1e5f}) {
+    Scene scene;
+    const vec3 lower = vec3(at) - vec3(0.9f, 0.83f, 0.95f);
+    add_box(scene, lower, lower + 2.0f, lambertian(grey(0.5f)));
+    const auto accelerator = make_accelerator("bvh", scene.geometry);
+    Random random(12);
+    const vec3 centre = lower + 1.0f;
+    Ray ray{centre, random.direction()};
+    int left = 0;
+    constexpr int kRays = 200'000;
+    for (int k = 0; k < kRays; ++k) {
+      const auto hit = accelerator->intersect(ray);
+      if (!hit) {
+        ++left;
+        ray = {centre, random.direction()};
+        continue;
+      }
+      const auto point = surface_point(scene.geometry, ray, *hit);
+      const vec3 inward = glm::dot(point.ng, centre - point.position) > 0.0f ? point.ng : -point.ng;
+      ray.direction = glm::normalize(inward + 0.999f * random.direction());
+      ray.origin = offset_origin(point, ray.direction);
+    }
+    const double size = 2.0, ulp = next_float_up(at + 1.0f) - (at + 1.0f);
+    INFO("at " << at << ": " << left << " of " << kRays);
+    CHECK(left < 0.75 * kRays * ulp / size + 10.0);
+  }
+}
+
 TEST_CASE("a surface point keeps the geometric normal beside the interpolated one", "[unit][offset]") {
   Geometry geometry;
   TriangleMesh mesh;
