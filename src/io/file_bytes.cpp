@@ -16,9 +16,10 @@ namespace {
 }
 
 std::ifstream open_file(const std::filesystem::path& file) {
-  errno = 0;
   // A folder can be opened, and only fails at the first read.
-  if (std::filesystem::is_directory(file)) errno = EISDIR;
+  std::error_code no_access;  // which opening the file tells
+  const bool is_folder = std::filesystem::is_directory(file, no_access);
+  errno = is_folder ? EISDIR : 0;
   std::ifstream in(file, std::ios::binary);
   if (!in || errno == EISDIR) unreadable(file);
   return in;

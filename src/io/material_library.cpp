@@ -25,9 +25,9 @@ std::uint32_t MaterialLibrary::default_material(const std::string& location) {
 }
 
 bool MaterialLibrary::open_mtl(const std::filesystem::path& file) {
+  if (!is_file(file)) return false;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
   if (mtl_files_.contains(canonical)) return true;
-  if (!is_file(file)) return false;
   MtlFile mtl{file, {}};
   for (MtlMaterial& material : read_mtl(file, warnings)) {
     mtl.entries.push_back({std::move(material), std::nullopt});

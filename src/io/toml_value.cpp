@@ -1,5 +1,10 @@
 #include "toml_value.hpp"
 
+// toml++ asserts what does not hold of all texts ("[,"), and lets the compiler rely on it in builds without asserts.
+// Without its asserts, its parser goes on to tell the error.
+#undef NDEBUG
+#define TOML_ASSERT(condition) static_cast<void>(0)
+#define TOML_MAX_NESTED_VALUES 32
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -7,6 +12,7 @@
 #include <tuple>
 
 #include "message_text.hpp"
+#include "toml_text.hpp"
 
 namespace raylab {
 namespace {
@@ -119,22 +125,28 @@ void TomlValue::fail_at_key(const std::string& message) const {
 }
 
 TomlValue parse_toml(std::string_view text, const std::string& file) {
+  check_toml_text(text, file);
   try {
-    return converted(toml::parse(text), file);
+    // Where the text ends in the middle of a value, toml++ makes a null pointer of it.
+    return converted(toml::parse(std::string(text) + '\n'), file);
   } catch (const toml::parse_error& error) {
     throw Error(ErrorKind::input, location_text(file, error.source().begin), std::string(error.description()));
   }
 }
 
 std::optional<TomlValue> parse_toml_value(std::string_view text, const std::string& location) {
+  const std::string document = "value = " + std::string(text) + '\n';
   try {
-    const toml::table table = toml::parse("value = " + std::string(text));
+    check_toml_text(document, location);
+    const toml::table table = toml::parse(document);
     // A line break in the text could have smuggled in further keys.
     if (table.size() != 1) return std::nullopt;
     TomlValue value = converted(*table.get("value"), location);
     mark_overridden(value, location);
     return value;
   } catch (const toml::parse_error&) {
+    return std::nullopt;
+  } catch (const Error&) {
     return std::nullopt;
   }
 }
