@@ -140,6 +140,27 @@ TEST_CASE("results.json that is cut off is refused with the place where it ends"
   expect_error(ErrorKind::input, file + ":3:11", {"not JSON"}, [&] { (void)read_results(folder.path()); });
 }
 
+TEST_CASE("results.json that nests without end, or holds numbers without end, is refused at its place",
+          "[unit][measure]") {
+  const TempFolder folder;
+  const std::string file = (folder / "results.json").string();
+  const std::string begin =
+      "{\"machine\": {}, \"rows\": [],\n\"x\": \"[[[[[[[[[[[[\\\"[[[[[[[[[[[[[[[[[[[[[[\", \"y\": ";
+  for (const char* bracket : {"[", "{\"a\":"}) {
+    std::string nested = begin;
+    for (int i = 0; i < 200000; ++i) nested += bracket;
+    write_text(folder / "results.json", nested);
+    const std::size_t column = begin.size() - begin.find('\n') + 31 * std::string(bracket).size();
+    expect_error(ErrorKind::input, file + ":2:" + std::to_string(column), {"nested more than 32 deep"},
+                 [&] { (void)read_results(folder.path()); });
+  }
+  write_text(folder / "results.json", begin + "1e999}");
+  expect_error(ErrorKind::input, file + ":2:" + std::to_string(begin.size() - begin.find('\n')), {"1e999"},
+               [&] { (void)read_results(folder.path()); });
+  write_text(folder / "results.json", begin + "[{\"a\": 0}]}");
+  CHECK(read_results(folder.path()).rows.empty());
+}
+
 TEST_CASE("results.json that holds something else is refused with the place inside it", "[unit][measure]") {
   const TempFolder folder;
   const std::string file = (folder / "results.json").string();

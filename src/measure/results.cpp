@@ -5,11 +5,13 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string_view>
 
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -37,8 +39,28 @@ std::string place_of(const fs::path& file, std::string_view text, std::size_t by
 }
 
 Row parse(const fs::path& file, const std::string& text) {
+  // The parser and its callback know no places, but the stream knows how far they came.
+  std::istringstream stream(text);
+  const auto read = [&] {
+    return static_cast<std::size_t>(stream.rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in));
+  };
+  // What comes after the parser, copies to begin with, recurs.
+  constexpr int most_levels = 32;
+  const auto check_depth = [&](int depth, Row::parse_event_t event, const Row&) {
+    const bool opens = event == Row::parse_event_t::array_start || event == Row::parse_event_t::object_start;
+    if (opens && depth >= most_levels) {
+      throw Error(ErrorKind::input, place_of(file, text, read()), format("nested more than %d deep", most_levels));
+    }
+    return true;
+  };
   try {
-    return Row::parse(text);
+    return Row::parse(stream, check_depth);
+  } catch (const Row::out_of_range&) {
+    const std::size_t last = text.find_last_of("0123456789", read() - 1);
+    const std::size_t first = text.find_last_not_of("+-.0123456789eE", last) + 1;
+    throw Error(
+        ErrorKind::input, place_of(file, text, first + 1),
+        "found " + text.substr(first, std::min<std::size_t>(last + 1 - first, 80)) + ", which is no finite number");
   } catch (const Row::parse_error& e) {
     const bool truncated = e.byte > text.size();
     throw Error(ErrorKind::input, place_of(file, text, e.byte),
@@ -189,14 +211,16 @@ void ResultsFolder::finish() {
 }
 
 void ResultsFolder::write() const {
+  // Names on a command line need not be UTF-8, which JSON is.
+  const auto json_text = [](const Row& row) { return row.dump(-1, ' ', false, Row::error_handler_t::replace); };
   // One row a line: version control then shows what changed.
-  const auto lines = [](const std::vector<Row>& rows) {
+  const auto lines = [&](const std::vector<Row>& rows) {
     std::string text = "[";
-    for (std::size_t i = 0; i < rows.size(); ++i) text += (i > 0 ? ",\n  " : "\n  ") + rows[i].dump();
+    for (std::size_t i = 0; i < rows.size(); ++i) text += (i > 0 ? ",\n  " : "\n  ") + json_text(rows[i]);
     return text + (rows.empty() ? "]" : "\n ]");
   };
   AtomicFile json(folder_ / kJsonName);
-  json.stream() << "{\n \"machine\": " << results_.machine.dump() << ",\n \"runs\": " << lines(results_.runs)
+  json.stream() << "{\n \"machine\": " << json_text(results_.machine) << ",\n \"runs\": " << lines(results_.runs)
                 << ",\n \"rows\": " << lines(results_.rows) << "\n}\n";
   AtomicFile csv(folder_ / kCsvName);
   csv.stream() << to_csv(results_.rows);
