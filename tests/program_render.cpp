@@ -210,11 +210,35 @@ TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {
   small.expect_failure(2, {"--width", "0"}, {"--width", "0"});
   small.expect_failure(2, {"--crop", "10,0,10,1"}, {"--crop", "10,0,10,1"});
   small.expect_failure(2, {"--crop", "1,2,x"}, {"--crop", "1,2,x"});
+  for (const char* crop : {"4294967296,0,1,1", "0,0,4294967297,1", "-4294967296,0,1,1", "0,0,1,1,", "0,0,1", "0,,1,1"})
+    small.expect_failure(2, {"--crop", "expected X,Y,WIDTH,HEIGHT"}, {std::string("--crop=") + crop});
+  small.expect_failure(2, {"--width", "4294836225 pixels", "268435456"}, {"--width", "65535", "--height", "65535"});
   small.expect_failure(2, {"--set", "camera.vfow"}, {"--set", "camera.vfow=3"});
   small.expect_failure(2, {"--nonsense"}, {"--nonsense"});
   const ProgramResult nothing = raylab_render({});
   CHECK(nothing.exit_code == 2);
   CHECK(nothing.err.find("scene") != std::string::npos);
+}
+
+TEST_CASE("a side that is derived from the scene's aspect ratio counts in the limit of pixels", "[cli]") {
+  SmallScene small;
+  small.change("width = 16\nheight = 8", "width = 268435456\nheight = 1");
+  small.expect_failure(2, {"--height", "17592186044416 x 65536", "268435456"}, {"--height", "65536"});
+  small.change("width = 16\nheight = 8", "width = 1\nheight = 268435456");
+  small.expect_failure(2, {"--width", "65536 x 17592186044416"}, {"--width", "65536"});
+}
+
+TEST_CASE("names that are not UTF-8 are taken, and replaced where JSON cannot hold them", "[cli]") {
+  const SmallScene small;
+  const std::string odd = (small / "odd\xff.exr").string();
+  const std::string stats = (small / "stats\xfe.json").string();
+  fs::rename(small.scene, small / "odd\xff.toml");
+  const ProgramResult result =
+      raylab_render({(small / "odd\xff.toml").string(), "-o", odd, "--stats", stats, "--spp", "1"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(read_exr(odd).width == 16);
+  CHECK(nlohmann::json::parse(read_text(stats)).at("scene") == "odd\xef\xbf\xbd");
 }
 
 TEST_CASE("a bad scene exits with 3, with place and value", "[cli]") {

@@ -2,12 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "raylab/apps/program.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
+#include "raylab/image/image_file.hpp"
 
 namespace raylab {
 
@@ -101,10 +105,15 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
 
 PixelRect parse_crop(const std::string& text) {
   PixelRect rect;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &rect.x, &rect.y, &rect.width, &rect.height, &used) != 4 ||
-      static_cast<std::size_t>(used) != text.size()) {
-    throw Error(ErrorKind::usage, "--crop", "found \"" + text + "\", expected X,Y,WIDTH,HEIGHT in pixels");
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int* const number : {&rect.x, &rect.y, &rect.width, &rect.height}) {
+    const auto [rest, error] = std::from_chars(at, end, *number);
+    const bool last = number == &rect.height;
+    if (error != std::errc() || (last ? rest != end : rest == end || *rest != ',')) {
+      throw Error(ErrorKind::usage, "--crop", "found \"" + text + "\", expected X,Y,WIDTH,HEIGHT in pixels");
+    }
+    at = rest + 1;
   }
   return rect;
 }
@@ -130,11 +139,19 @@ RenderOptions session_options(const RenderCommand& command, const LoadedScene& l
   options.width = command.width ? checked("--width", *command.width, kLargestSide) : settings.width;
   options.height = command.height ? checked("--height", *command.height, kLargestSide) : settings.height;
   const double aspect = static_cast<double>(settings.width) / settings.height;
+  double width = options.width, height = options.height;
   if (command.width && !command.height) {
-    options.height = std::max(1, static_cast<int>(std::lround(options.width / aspect)));
+    height = std::max(1.0, std::round(width / aspect));
   } else if (command.height && !command.width) {
-    options.width = std::max(1, static_cast<int>(std::lround(options.height * aspect)));
+    width = std::max(1.0, std::round(height * aspect));
   }
+  if (width * height > static_cast<double>(kMostPixels)) {
+    throw Error(ErrorKind::usage, command.width ? "--width" : "--height",
+                format("%.0f pixels are too many: found %.0f x %.0f, expected at most %" PRId64, width * height, width,
+                       height, kMostPixels));
+  }
+  options.width = static_cast<int>(width);
+  options.height = static_cast<int>(height);
   options.samples_per_pixel = static_cast<std::uint32_t>(command.spp.value_or(settings.samples_per_pixel));
   options.integrator.max_depth =
       command.max_depth ? checked("--max-depth", *command.max_depth, 1 << 20) : settings.max_depth;

@@ -123,7 +123,8 @@ std::string report_json(const RenderReport& r) {
   json["clamped_samples"] = s.too_bright;
   json["faded_samples"] = s.too_dark;
   json["partial"] = r.partial;
-  return json.dump(2) + "\n";
+  // Names of files need not be UTF-8, which JSON is.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace raylab

@@ -26,9 +26,6 @@ namespace {
 
 using Imath::Box2i;
 
-/// A damaged header can claim any size; this much (3 GB) is tried.
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-
 half to_half(float x) { return half(std::clamp(x, -65504.0f, 65504.0f)); }
 
 std::string one_line(std::string text) {
@@ -51,14 +48,14 @@ auto with_exr(const fs::path& file, const Read& read) {
   }
 }
 
-/// Width and height of a window that is neither empty nor beyond kMaxPixels.
+/// Width and height of a window that is neither empty nor beyond kMostPixels.
 struct Size {
   int width, height;
 };
 Size size_of(const Box2i& window, const fs::path& file) {
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width <= 0 || height <= 0 || width > kMaxPixels / height) {
+  if (width <= 0 || height <= 0 || width > kMostPixels / height) {
     throw Error(ErrorKind::input, file.string(),
                 "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                     " pixels is not supported; expected 1 to 2^28");

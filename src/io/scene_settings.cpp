@@ -61,11 +61,10 @@ RenderSettings read_render(const TomlValue* table) {
   reader.count("samples_per_pixel", render.samples_per_pixel);
   reader.count("max_depth", render.max_depth);
   reader.finish();
-  constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
-  if (std::int64_t{render.width} * render.height > most_pixels) {
+  if (std::int64_t{render.width} * render.height > kMostPixels) {
     fail_at(*table, {"width", "height"},
             "render: found " + std::to_string(render.width) + " x " + std::to_string(render.height) +
-                " pixels, expected at most " + std::to_string(most_pixels));
+                " pixels, expected at most " + std::to_string(kMostPixels));
   }
   return render;
 }

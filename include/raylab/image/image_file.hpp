@@ -10,6 +10,9 @@
 
 namespace raylab {
 
+/// The largest picture that is made or read, in pixels.
+inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+
 /// One more channel of an EXR file, such as "Z" or "albedo.R"; float or half.
 struct Layer {
   std::string name;  ///< none of R, G, B, A, and no other layer's
