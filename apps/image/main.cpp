@@ -15,7 +15,7 @@ using raylab::ErrorKind;
 /// Runs the command that the arguments name. Throws Error; what CLI11 has to say of the arguments becomes one of
 /// kind usage.
 void run(int argc, char** argv) {
-  CLI::App app{"Compares, converts and describes pictures: OpenEXR, PNG, and to read also JPEG, TGA and BMP."};
+  CLI::App app{"Compares, converts and describes pictures: OpenEXR, PNG, and to read also JPEG."};
   app.name("raylab-image");
   app.set_version_flag("--version", "raylab-image " RAYLAB_VERSION);
   app.require_subcommand(1);

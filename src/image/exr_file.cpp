@@ -1,4 +1,5 @@
 // OpenEXR in and out: all of OpenEXR stays in this file.
+#include <Iex.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -7,16 +8,22 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTestFile.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfVersion.h>
 #include <half.h>
 
 #include <algorithm>
 #include <array>
+#include <cinttypes>
 #include <exception>
+#include <fstream>
+#include <limits>
 
 #include "formats.hpp"
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -33,14 +40,50 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Calls read with the opened file; whatever OpenEXR throws becomes Error (input).
+std::int32_t little_endian(const char* bytes) {
+  std::uint32_t value = 0;
+  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  return static_cast<std::int32_t>(value);
+}
+
+/// Throws where the file ends before an attribute of the first header does: OpenEXR makes room for what it is told.
+void check_attributes(std::istream& stream, std::uintmax_t size) {
+  const auto position = [&] { return static_cast<std::uintmax_t>(stream.tellg()); };
+  std::string name, type;
+  while (std::getline(stream, name, '\0') && !name.empty()) {
+    std::array<char, 4> length{};
+    std::getline(stream, type, '\0');
+    if (!stream.read(length.data(), length.size())) break;
+    const std::int32_t bytes = little_endian(length.data());
+    if (bytes < 0 || static_cast<std::uintmax_t>(bytes) > size - position()) stream.setstate(std::ios::failbit);
+    stream.seekg(bytes, std::ios::cur);
+  }
+  if (!stream) throw Iex::InputExc("the header ends early");
+}
+
+/// The first part's header, without the memory that OpenEXR sets aside for reading the pixels.
+Imf::Header read_header(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 8> start{};  // the magic number and the version
+  if (!stream.read(start.data(), start.size())) throw Iex::InputExc("the header ends early");
+  check_attributes(stream, fs::file_size(file));
+  stream.seekg(start.size());
+  Imf::StdIFStream input(stream, file.c_str());
+  int version = little_endian(&start[4]);
+  if (Imf::isNonImage(version)) throw Iex::InputExc("deep pictures are not supported");
+  Imf::Header header;
+  header.readFrom(input, version);
+  header.sanityCheck(Imf::isTiled(version), Imf::isMultiPart(version));
+  return header;
+}
+
+/// Calls read; whatever OpenEXR throws becomes Error (input).
 template <class Read>
 auto with_exr(const fs::path& file, const Read& read) {
   detail::open_input(file);  // for the system's reason when it cannot
   if (!Imf::isOpenExrFile(file.c_str())) throw Error(ErrorKind::input, file.string(), "not an OpenEXR file");
   try {
-    Imf::InputFile input(file.c_str());
-    return read(input);
+    return read();
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
@@ -48,19 +91,50 @@ auto with_exr(const fs::path& file, const Read& read) {
   }
 }
 
-/// Width and height of a window that is neither empty nor beyond kMostPixels.
 struct Size {
-  int width, height;
+  std::int64_t width, height;
 };
-Size size_of(const Box2i& window, const fs::path& file) {
-  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width <= 0 || height <= 0 || width > kMostPixels / height) {
-    throw Error(ErrorKind::input, file.string(),
-                "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                    " pixels is not supported; expected 1 to 2^28");
+Size size_of(const Box2i& window) {
+  return {std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{window.max.y} - window.min.y + 1};
+}
+
+/// Lines that are compressed together.
+std::int64_t lines_of(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::DWAB_COMPRESSION:
+      return 256;
+    default:
+      return 32;
   }
-  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+/// Throws where reading the pixels would take more memory than such a file may, before any is asked for.
+void check_memory(const Imf::Header& header, const fs::path& file) {
+  const Size data = size_of(header.dataWindow()), display = size_of(header.displayWindow());
+  detail::check_budget(data.width, data.height, file);
+  detail::check_budget(display.width, display.height, file);
+  std::int64_t bytes = 0;  // of a pixel
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    bytes += c.channel().type == Imf::HALF ? 2 : 4;
+  }
+  std::int64_t width = data.width, lines = lines_of(header.compression());
+  if (header.hasTileDescription()) {
+    width = std::max<std::int64_t>(width, header.tileDescription().xSize);
+    lines = header.tileDescription().ySize;
+  }
+  if (const std::int64_t budget = detail::memory_budget(file); bytes > budget / width / lines) {
+    throw Error(ErrorKind::input, file.string(),
+                format("%" PRId64 " lines of %" PRId64 " pixels of %" PRId64
+                       " bytes, which are read at a time, exceed this file's budget of %" PRId64 " MiB",
+                       lines, width, bytes, budget >> 20));
+  }
 }
 
 void check_channels(const Imf::ChannelList& channels, const fs::path& file) {
@@ -75,36 +149,43 @@ void check_channels(const Imf::ChannelList& channels, const fs::path& file) {
               "channel " + missing + " missing; the file has" + (present.empty() ? " none" : present));
 }
 
-/// The part of the data window that the display window shows, in a picture of the display window's size.
-Image show(const Image& data, const Box2i& data_window, const Box2i& display_window, const Size& display) {
-  Image image(display.width, display.height);
-  const int x_begin = std::max(data_window.min.x, display_window.min.x);
-  const int x_end = std::min(data_window.max.x, display_window.max.x) + 1;
-  const int y_begin = std::max(data_window.min.y, display_window.min.y);
-  const int y_end = std::min(data_window.max.y, display_window.max.y) + 1;
-  for (int y = y_begin; y < y_end && x_begin < x_end; ++y) {
-    const Rgb* row = &data.at(x_begin - data_window.min.x, y - data_window.min.y);
-    std::copy(row, row + (x_end - x_begin), &image.at(x_begin - display_window.min.x, y - display_window.min.y));
-  }
-  return image;
-}
-
-Image read_pixels(Imf::InputFile& input, const fs::path& file) {
-  const Box2i data_window = input.header().dataWindow();
-  const Box2i display_window = input.header().displayWindow();
-  check_channels(input.header().channels(), file);
-  const Size size = size_of(data_window, file);
-  const Size display = size_of(display_window, file);
-  Image data(size.width, size.height);
+/// R, G and B of the data window into pixels of which the first is that of its upper left corner.
+Imf::FrameBuffer rgb_buffer(Rgb* pixels, const Box2i& window, std::size_t row_stride) {
   Imf::FrameBuffer buffer;
   const std::array<const char*, 3> names{"R", "G", "B"};
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &data.pixels[0][static_cast<int>(c)], data_window, sizeof(Rgb),
-                                             sizeof(Rgb) * static_cast<std::size_t>(size.width)));
+  for (int c = 0; c < 3; ++c) {
+    // Addresses are counted from the pixel (0, 0), which may lie outside of the window.
+    const auto origin = reinterpret_cast<std::intptr_t>(&pixels[0][c]) -
+                        std::intptr_t{window.min.x} * static_cast<std::intptr_t>(sizeof(Rgb)) -
+                        std::intptr_t{window.min.y} * static_cast<std::intptr_t>(row_stride);
+    buffer.insert(names[static_cast<std::size_t>(c)],
+                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), sizeof(Rgb), row_stride));
   }
-  input.setFrameBuffer(buffer);
-  input.readPixels(data_window.min.y, data_window.max.y);
-  return data_window == display_window ? data : show(data, data_window, display_window, display);
+  return buffer;
+}
+
+Image read_pixels(Imf::InputFile& input) {
+  const Box2i data = input.header().dataWindow();
+  const Box2i display = input.header().displayWindow();
+  const Size size = size_of(display);
+  Image image(static_cast<int>(size.width), static_cast<int>(size.height));
+  if (data == display) {
+    input.setFrameBuffer(rgb_buffer(image.pixels.data(), data, sizeof(Rgb) * static_cast<std::size_t>(size.width)));
+    input.readPixels(data.min.y, data.max.y);
+    return image;
+  }
+  // Row by row, of which the part that the display window shows is kept.
+  std::vector<Rgb> row(static_cast<std::size_t>(size_of(data).width));
+  input.setFrameBuffer(rgb_buffer(row.data(), data, 0));
+  const int x_begin = std::max(data.min.x, display.min.x);
+  const int x_last = std::min(data.max.x, display.max.x);
+  for (int y = std::max(data.min.y, display.min.y); y <= std::min(data.max.y, display.max.y); ++y) {
+    input.readPixels(y);
+    if (x_begin > x_last) continue;
+    const auto first = row.begin() + (x_begin - data.min.x);
+    std::copy(first, first + (x_last - x_begin + 1), &image.at(x_begin - display.min.x, y - display.min.y));
+  }
+  return image;
 }
 
 Attributes string_attributes(const Imf::Header& header) {
@@ -180,14 +261,23 @@ void write_exr(const fs::path& file, const Image& image, const std::vector<Layer
 }
 
 Image read_exr(const fs::path& file) {
-  return with_exr(file, [&](Imf::InputFile& input) { return read_pixels(input, file); });
+  return with_exr(file, [&] {
+    const Imf::Header header = read_header(file);
+    check_channels(header.channels(), file);
+    check_memory(header, file);
+    Imf::InputFile input(file.c_str());
+    return read_pixels(input);
+  });
 }
 
 ImageInfo detail::read_exr_info(const fs::path& file) {
-  return with_exr(file, [&](const Imf::InputFile& input) {
-    const Imf::Header& header = input.header();
-    const Size size = size_of(header.displayWindow(), file);
-    ImageInfo info{size.width, size.height, {}, string_attributes(header)};
+  return with_exr(file, [&] {
+    const Imf::Header header = read_header(file);
+    const Size size = size_of(header.displayWindow());
+    if (size.width > std::numeric_limits<int>::max() || size.height > std::numeric_limits<int>::max()) {
+      throw Iex::InputExc("the display window is too large");
+    }
+    ImageInfo info{static_cast<int>(size.width), static_cast<int>(size.height), {}, string_attributes(header)};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
       const Imf::PixelType type = c.channel().type;
       info.channels.push_back(std::string(c.name()) + (type == Imf::HALF    ? " half"

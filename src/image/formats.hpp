@@ -19,7 +19,23 @@ InputFile open_input(const std::filesystem::path& file);
 /// True when the ending is .exr in any case, or the content begins as an EXR file does. Throws as open_input.
 bool is_exr(const std::filesystem::path& file);
 
+/// Throws Error (input) where a picture of this size, as its file's header says, is beyond the budget of read_image.
+void check_budget(std::int64_t width, std::int64_t height, const std::filesystem::path& file);
+
+/// The bytes that reading the file may take beside the picture itself.
+std::int64_t memory_budget(const std::filesystem::path& file);
+
+/// Throws Error (input): "not readable as a picture: REASON".
+[[noreturn]] void fail_reading(const std::filesystem::path& file, const std::string& reason);
+
+/// "R 8-bit", "G 8-bit" and so on, or Y for grey.
+std::vector<std::string> channel_names(bool color, bool alpha, bool is_16_bit);
+
+Image8 read_png(const std::filesystem::path& file);
+Image8 read_jpeg(const std::filesystem::path& file);
 ImageInfo read_exr_info(const std::filesystem::path& file);
 ImageInfo read_image8_info(const std::filesystem::path& file);
+ImageInfo read_png_info(const std::filesystem::path& file);
+ImageInfo read_jpeg_info(const std::filesystem::path& file);
 
 }  // namespace raylab::detail

@@ -1,13 +1,16 @@
 #include "raylab/image/image_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <cinttypes>
 #include <system_error>
 
 #include "formats.hpp"
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -54,6 +57,23 @@ bool is_exr(const fs::path& file) {
   std::array<unsigned char, 4> start{};
   const bool magic = std::fread(start.data(), 1, start.size(), opened.get()) == start.size() && start == kMagic;
   return magic || lowercase_ending(file) == ".exr";
+}
+
+std::int64_t memory_budget(const fs::path& file) {
+  constexpr std::int64_t least = std::int64_t{1} << 26, most = std::int64_t{1} << 31;
+  constexpr std::int64_t expansion = 1 << 17;  // 1 bit a pixel that deflates to 1/1032 and becomes three floats
+  std::error_code no_size;
+  const auto size = static_cast<std::int64_t>(fs::file_size(file, no_size));
+  return no_size || size > most / expansion ? most : std::max(least, expansion * size);
+}
+
+void check_budget(std::int64_t width, std::int64_t height, const fs::path& file) {
+  const std::int64_t budget = memory_budget(file);
+  if (width > 0 && height > 0 && width <= budget / static_cast<std::int64_t>(sizeof(Rgb)) / height) return;
+  throw Error(ErrorKind::input, file.string(),
+              format("a picture of %" PRId64 " x %" PRId64 " pixels is not supported; expected 1 to %" PRId64
+                     ", as this file's budget is %" PRId64 " MiB",
+                     width, height, budget / static_cast<std::int64_t>(sizeof(Rgb)), budget >> 20));
 }
 
 }  // namespace detail

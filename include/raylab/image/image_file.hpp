@@ -1,5 +1,5 @@
 #pragma once
-// Pictures in and out: OpenEXR and PNG (stb), and textures in whatever stb reads.
+// Pictures in and out: OpenEXR and PNG; JPEG in.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -61,14 +61,18 @@ struct ImageInfo {
 };
 
 /// Reads R, G, B of an EXR file (the first part), over its display window: what lies outside the data window is
-/// black. Throws Error (input): missing, not EXR, without R G B, truncated, above 2^28 pixels.
+/// black. Throws Error (input): missing, not EXR, without R G B, deep, truncated, beyond the budget of read_image.
 Image read_exr(const std::filesystem::path& file);
 Attributes read_exr_attributes(const std::filesystem::path& file);
 
-/// Reads PNG, JPEG, TGA, BMP and what else stb_image knows but HDR, as 8-bit. Throws Error (input).
+/// Reads PNG or JPEG, told by its content, as 8-bit; of 16 bits the upper 8. Throws Error (input): missing, neither,
+/// damaged (what its checksums find included), beyond the budget of read_image.
 Image8 read_image8(const std::filesystem::path& file);
 
-/// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input).
+/// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input). Before memory is asked for, the size
+/// in the header is held against a budget: in memory a picture may take 2 GiB, and no more than 64 MiB or 2^17 times
+/// its file, whichever is more, which no whole file of a picture exceeds but by being empty of content. All that
+/// reading takes at a time stays below 1.5 times the picture.
 Image read_image(const std::filesystem::path& file);
 
 /// Size, channels and attributes of an EXR or other picture, without its pixels. Throws Error (input).
