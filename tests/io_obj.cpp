@@ -25,6 +25,7 @@ double signed_area(const TriangleMesh& mesh) {
 /// Loads one polygon and checks that it became n - 2 triangles of its winding that cover its area once.
 void check_polygon(const std::vector<vec2>& corners, double area) {
   std::ostringstream obj;
+  obj.precision(9);
   for (const vec2& c : corners) obj << "v " << c.x << " " << c.y << " 0\n";
   obj << "f";
   for (std::size_t i = 1; i <= corners.size(); ++i) obj << " " << i;
@@ -165,6 +166,37 @@ TEST_CASE("star polygons of random radii are covered once", "[unit]") {
     double area = 0.0;
     for (int i = 0; i < count; ++i) {
       const vec2 a = corners[static_cast<std::size_t>(i)], b = corners[static_cast<std::size_t>((i + 1) % count)];
+      area += 0.5 * (double{a.x} * b.y - double{a.y} * b.x);
+    }
+    check_polygon(corners, area);
+  }
+}
+
+TEST_CASE("polygons of very many corners are covered once, and in no time: spirals, combs and stars", "[unit]") {
+  constexpr int count = 30000;
+  std::vector<vec2> spiral, comb, star;
+  for (int i = 0; i < count / 2; ++i) {
+    // Out along one side of a band, and back along the other.
+    const auto on_spiral = [&](int at, float inset) {
+      const float angle = 2.0f * kPi * static_cast<float>(at) / 100.0f;
+      const float radius = 1000.0f * static_cast<float>(at) / 100.0f + 2000.0f - inset;
+      return vec2(std::round(radius * std::cos(angle)), std::round(radius * std::sin(angle)));
+    };
+    spiral.push_back(on_spiral(i, 0.0f));
+    spiral.insert(spiral.begin(), on_spiral(i, 500.0f));
+    comb.emplace_back(2 * i, i % 2 == 0 ? 1000 : 1);
+  }
+  comb.emplace_back(count - 2, 0);
+  comb.emplace_back(0, 0);
+  std::reverse(comb.begin(), comb.end());
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2.0 * 3.14159265358979 * i / count;
+    star.emplace_back(std::round(4e6 * (i % 2 + 1) * std::cos(angle)), std::round(4e6 * (i % 2 + 1) * std::sin(angle)));
+  }
+  for (const std::vector<vec2>& corners : {spiral, comb, star}) {
+    double area = 0.0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const vec2 a = corners[i], b = corners[(i + 1) % corners.size()];
       area += 0.5 * (double{a.x} * b.y - double{a.y} * b.x);
     }
     check_polygon(corners, area);
