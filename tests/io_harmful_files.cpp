@@ -131,3 +131,20 @@ TEST_CASE("names are compared by their beginnings, however long they are", "[uni
                 "\"\ncenter = [0, 0, 0]\nradius = 1\n");
   });
 }
+
+TEST_CASE("files of very many materials, material files and unknown statements are read in no time", "[unit]") {
+  const InputFolder folder;
+  constexpr int count = 60000;
+  std::string mtl, obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i);
+    mtl += "newmtl a_material_of_number_" + number + "\n";
+    obj += "mtllib a.mtl\nunknown_statement_" + number + "\nusemtl a_material_of_number_" + number + "\nf 1 2 3\n";
+  }
+  folder.write("a.mtl", mtl);
+  const ObjMesh mesh = folder.obj(obj);
+  CHECK(mesh.materials.size() == count);
+  CHECK(mesh.mesh_materials.per_triangle.size() == count);
+  CHECK(mesh.warnings.size() == count);
+  CHECK(mesh.files.size() == 2);
+}

@@ -1,6 +1,5 @@
 #include "material_library.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "file_bytes.hpp"
@@ -24,30 +23,27 @@ std::uint32_t MaterialLibrary::default_material(const std::string& location) {
   return *default_;
 }
 
-bool MaterialLibrary::open_mtl(const std::filesystem::path& file) {
-  if (!is_file(file)) return false;
+std::optional<std::size_t> MaterialLibrary::open_mtl(const std::filesystem::path& file) {
+  if (!is_file(file)) return std::nullopt;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
-  if (mtl_files_.contains(canonical)) return true;
+  if (const auto known = mtl_number_.find(canonical); known != mtl_number_.end()) return known->second;
   MtlFile mtl{file, {}};
   for (MtlMaterial& material : read_mtl(file, warnings)) {
-    mtl.entries.push_back({std::move(material), std::nullopt});
+    std::string name = material.name;
+    mtl.entries.try_emplace(std::move(name), MtlEntry{std::move(material), std::nullopt});
   }
-  mtl_files_.emplace(canonical, std::move(mtl));
+  mtl_files_.push_back(std::move(mtl));
   files.push_back(file);
-  return true;
+  return mtl_number_[canonical] = mtl_files_.size() - 1;
 }
 
-std::optional<std::uint32_t> MaterialLibrary::find(const std::filesystem::path& mtl_file, const std::string& name) {
-  const auto mtl = mtl_files_.find(std::filesystem::weakly_canonical(mtl_file));
-  if (mtl == mtl_files_.end()) return std::nullopt;
-  auto& entries = mtl->second.entries;
-  const auto entry =
-      std::find_if(entries.begin(), entries.end(), [&](const MtlEntry& e) { return e.source.name == name; });
-  if (entry == entries.end()) return std::nullopt;
-  if (!entry->index) {
-    entry->index = add(from_mtl(entry->source, mtl->second.path.parent_path()), entry->source.location);
-  }
-  return entry->index;
+std::optional<std::uint32_t> MaterialLibrary::find(std::size_t mtl_file, const std::string& name) {
+  MtlFile& mtl = mtl_files_[mtl_file];
+  const auto found = mtl.entries.find(name);
+  if (found == mtl.entries.end()) return std::nullopt;
+  MtlEntry& entry = found->second;
+  if (!entry.index) entry.index = add(from_mtl(entry.source, mtl.path.parent_path()), entry.source.location);
+  return entry.index;
 }
 
 }  // namespace raylab

@@ -28,11 +28,12 @@ class MaterialLibrary {
   /// What has no material: lambertian grey (0.5).
   std::uint32_t default_material(const std::string& location);
 
-  /// Makes the materials of an MTL file known, if they are not; false when there is no such file. Throws Error.
-  bool open_mtl(const std::filesystem::path& file);
+  /// Makes the materials of an MTL file known, if they are not, and returns the file's number; nullopt when there is no
+  /// such file. Throws Error.
+  std::optional<std::size_t> open_mtl(const std::filesystem::path& file);
 
   /// Index in `materials` of a material of a file opened before; nullopt when the file has none of that name.
-  std::optional<std::uint32_t> find(const std::filesystem::path& mtl_file, const std::string& name);
+  std::optional<std::uint32_t> find(std::size_t mtl_file, const std::string& name);
 
  private:
   struct MtlEntry {
@@ -41,13 +42,14 @@ class MaterialLibrary {
   };
   struct MtlFile {
     std::filesystem::path path;
-    std::vector<MtlEntry> entries;
+    std::map<std::string, MtlEntry> entries;  // by name
   };
   Material from_mtl(const MtlMaterial& source, const std::filesystem::path& folder);
   Texture mtl_color(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise);
   Texture mtl_texture(const MtlMaterial& source, const std::filesystem::path& folder);
 
-  std::map<std::filesystem::path, MtlFile> mtl_files_;  // by canonical path
+  std::vector<MtlFile> mtl_files_;
+  std::map<std::filesystem::path, std::size_t> mtl_number_;  // by canonical path
   std::optional<std::uint32_t> default_;
 };
 

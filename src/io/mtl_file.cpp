@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -91,12 +92,11 @@ class MtlReader {
 
   void new_material(std::string name) {
     if (name.empty()) fail("newmtl", "a name after newmtl");
-    const auto same = std::find_if(materials_.begin(), materials_.end(),
-                                   [&](const MtlMaterial& material) { return material.name == name; });
-    skipping_ = same != materials_.end();
+    const auto [same, is_new] = line_of_.try_emplace(name, line_);
+    skipping_ = !is_new;
     if (skipping_) {
-      warnings_.push_back(location() + ": material " + in_quotes(name) + " is left out: " + same->location +
-                          " has that name");
+      warnings_.push_back(location() + ": material " + in_quotes(name) + " is left out: " + file_ + ":" +
+                          std::to_string(same->second) + " has that name");
       return;
     }
     materials_.emplace_back();
@@ -190,6 +190,7 @@ class MtlReader {
   std::string file_;
   std::vector<std::string>& warnings_;
   std::vector<MtlMaterial> materials_;
+  std::map<std::string, int> line_of_;  // by name of the material
   std::set<std::string> warned_;
   bool skipping_ = false;  // inside a material whose name was taken
   int line_ = 0;

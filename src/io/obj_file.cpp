@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <istream>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -168,10 +169,7 @@ class ObjBuilder {
     for (const char* harmless : {"o", "g", "s", "f", "mg", "bevel", "c_interp", "d_interp", "lod"}) {
       if (keyword == harmless) return;
     }
-    for (const std::string& known : warned_) {
-      if (keyword == known) return;
-    }
-    warned_.emplace_back(keyword);
+    if (!warned_.emplace(keyword).second) return;
     library_.warnings.push_back(source_.location() + ": " + in_quotes(keyword) + " is not understood and left out");
   }
 
@@ -220,7 +218,7 @@ class ObjBuilder {
   ObjMaterials materials_;
   ObjSource source_;
   Tally degenerate_, tangled_, zero_normals_;
-  std::vector<std::string> warned_;
+  std::set<std::string> warned_;
   // Of the face at hand; kept to save allocations.
   std::vector<Corner> polygon_;
   std::vector<vec3> points_;

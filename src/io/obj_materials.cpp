@@ -52,8 +52,8 @@ bool ObjMaterials::statement(std::string_view keyword, std::string_view rest, co
 void ObjMaterials::open_libraries(std::string_view names, const std::string& location, MaterialLibrary& library) {
   for (const std::string& name : library_names(names)) {
     const std::filesystem::path file = file_.parent_path() / name;
-    if (library.open_mtl(file)) {
-      mtl_files_.push_back(file);
+    if (const auto number = library.open_mtl(file)) {
+      if (std::find(mtl_files_.begin(), mtl_files_.end(), *number) == mtl_files_.end()) mtl_files_.push_back(*number);
     } else {
       library.warnings.push_back(location + ": material file " + in_quotes(name) + " is missing");
     }
@@ -79,7 +79,7 @@ void ObjMaterials::add_triangle(std::size_t triangle_count, int line) {
 
 std::uint32_t ObjMaterials::index_of(const Use& use, MaterialLibrary& library) const {
   if (use.name.empty()) return library.default_material(use.location);
-  for (const std::filesystem::path& file : mtl_files_) {
+  for (const std::size_t file : mtl_files_) {
     if (const auto index = library.find(file, use.name)) return *index;
   }
   library.warnings.push_back(use.location + ": material " + in_quotes(use.name) +

@@ -38,7 +38,7 @@ class ObjMaterials {
 
   std::filesystem::path file_;
   bool ignored_;
-  std::vector<std::filesystem::path> mtl_files_;
+  std::vector<std::size_t> mtl_files_;  // as the library numbers them, in the order of the file
   Use current_;
   bool changed_ = true;                          // usemtl since the last triangle
   std::uint16_t current_use_ = 0;                // index into uses_
