@@ -198,9 +198,16 @@ TEST_CASE("an EXR file whose attributes reach beyond its end, or that is deep, i
   std::string bytes = exr_header(header);
   std::string endless = bytes;
   endless.replace(bytes.find("note") + 5 + 7, 4, "\xff\xff\xff\x7f");
-  expect_refused(folder / "a.exr", endless, {"not readable as OpenEXR: the header ends early"});
-  expect_error(ErrorKind::input, (folder / "a.exr").string(), {"the header ends early"},
+  expect_refused(folder / "a.exr", endless, {"not readable as OpenEXR: the header is damaged"});
+  expect_error(ErrorKind::input, (folder / "a.exr").string(), {"the header is damaged"},
                [&] { read_image_info(folder / "a.exr"); });
+  // A window that is shorter than its type says leaves what follows to be read as something else.
+  endless = bytes;
+  endless.replace(bytes.find("box2i") + 6, 4, std::string("\x08\0\0\0", 4));
+  expect_refused(folder / "a.exr", endless, {"the header is damaged"});
+  endless = bytes;
+  endless.replace(bytes.find("compression") + 24, 4, "name");
+  expect_refused(folder / "a.exr", endless, {"the header is damaged: attribute compression"});
   bytes[5] = 8;
   expect_refused(folder / "a.exr", bytes, {"deep pictures are not supported"});
 }

@@ -106,6 +106,12 @@ TEST_CASE("TOML that is cut off, or holds what its parser does not expect, is re
   folder.load("\xef\xbb\xbf# \xef\xbb\x85\n[background] # \xc3\xa9\n");
 }
 
+TEST_CASE("what is wrong with TOML is said on one line", "[unit]") {
+  const InputFolder folder;
+  const std::string toml = "camera = { x = t\n:";
+  expect_error(ErrorKind::input, place_of_error(folder, toml), {}, [&] { folder.load(toml); });
+}
+
 TEST_CASE("a material file of a name that no system takes, or that leads round in links, is missing", "[unit]") {
   const InputFolder folder;
   REQUIRE(symlink("b.mtl", (folder / "a.mtl").c_str()) == 0);

@@ -18,6 +18,7 @@
 #include <exception>
 #include <fstream>
 #include <limits>
+#include <map>
 
 #include "formats.hpp"
 #include "raylab/core/atomic_file.hpp"
@@ -46,19 +47,75 @@ std::int32_t little_endian(const char* bytes) {
   return static_cast<std::int32_t>(value);
 }
 
-/// Throws where the file ends before an attribute of the first header does: OpenEXR makes room for what it is told.
-void check_attributes(std::istream& stream, std::uintmax_t size) {
-  const auto position = [&] { return static_cast<std::uintmax_t>(stream.tellg()); };
-  std::string name, type;
-  while (std::getline(stream, name, '\0') && !name.empty()) {
-    std::array<char, 4> length{};
-    std::getline(stream, type, '\0');
-    if (!stream.read(length.data(), length.size())) break;
-    const std::int32_t bytes = little_endian(length.data());
-    if (bytes < 0 || static_cast<std::uintmax_t>(bytes) > size - position()) stream.setstate(std::ios::failbit);
-    stream.seekg(bytes, std::ios::cur);
+/// Whether an attribute's value has the size that OpenEXR takes it to have, whatever the file says of it.
+bool fits(const std::string& type, const std::string& value) {
+  static const std::map<std::string, std::size_t> fixed_sizes{{"box2f", 16},
+                                                              {"box2i", 16},
+                                                              {"chromaticities", 32},
+                                                              {"compression", 1},
+                                                              {"deepImageState", 1},
+                                                              {"double", 8},
+                                                              {"envmap", 1},
+                                                              {"float", 4},
+                                                              {"int", 4},
+                                                              {"keycode", 28},
+                                                              {"lineOrder", 1},
+                                                              {"m33d", 72},
+                                                              {"m33f", 36},
+                                                              {"m44d", 128},
+                                                              {"m44f", 64},
+                                                              {"rational", 8},
+                                                              {"tiledesc", 9},
+                                                              {"timecode", 8},
+                                                              {"v2d", 16},
+                                                              {"v2f", 8},
+                                                              {"v2i", 8},
+                                                              {"v3d", 24},
+                                                              {"v3f", 12},
+                                                              {"v3i", 12}};
+  if (const auto fixed = fixed_sizes.find(type); fixed != fixed_sizes.end()) return value.size() == fixed->second;
+  if (type == "floatvector") return value.size() % 4 == 0;
+  const std::uint64_t size = value.size();
+  const auto number = [&](std::uint64_t at) { return static_cast<std::uint32_t>(little_endian(&value[at])); };
+  if (type == "preview") {
+    return size >= 8 && number(0) <= size && number(4) <= size && size == 8 + std::uint64_t{4} * number(0) * number(4);
   }
-  if (!stream) throw Iex::InputExc("the header ends early");
+  std::uint64_t at = 0;
+  if (type == "stringvector") {
+    while (at + 4 <= size) at += 4 + number(at);
+    return at == size;
+  }
+  if (type != "chlist") return true;  // strings, and what is not understood, are taken as long as they are
+  while (at < size && value[at] != '\0') {
+    at = value.find('\0', at);
+    if (at == std::string::npos) return false;
+    at += 17;  // with what is said of a channel
+  }
+  return at + 1 == size;
+}
+
+/// Throws where an attribute of a header is not what it says: OpenEXR makes room for what it is told, and goes on in
+/// the middle of a value.
+void check_attributes(std::istream& stream, std::uintmax_t size, bool many_parts) {
+  std::string name, type, value;
+  bool is_empty = false;
+  do {
+    is_empty = true;
+    while (std::getline(stream, name, '\0') && !name.empty()) {
+      is_empty = false;
+      std::array<char, 4> length{};
+      std::getline(stream, type, '\0');
+      if (!stream.read(length.data(), length.size())) break;
+      const std::int32_t bytes = little_endian(length.data());
+      const bool inside =
+          bytes >= 0 && static_cast<std::uintmax_t>(bytes) <= size - static_cast<std::uintmax_t>(stream.tellg());
+      value.resize(inside ? static_cast<std::size_t>(bytes) : 0);
+      if (!inside || !stream.read(value.data(), bytes) || !fits(type, value)) {
+        throw Iex::InputExc("the header is damaged: attribute " + name + " has " + std::to_string(bytes) + " bytes");
+      }
+    }
+    if (!stream) throw Iex::InputExc("the header ends early");
+  } while (many_parts && !is_empty);
 }
 
 /// The first part's header, without the memory that OpenEXR sets aside for reading the pixels.
@@ -66,11 +123,11 @@ Imf::Header read_header(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::array<char, 8> start{};  // the magic number and the version
   if (!stream.read(start.data(), start.size())) throw Iex::InputExc("the header ends early");
-  check_attributes(stream, fs::file_size(file));
-  stream.seekg(start.size());
   Imf::StdIFStream input(stream, file.c_str());
   int version = little_endian(&start[4]);
   if (Imf::isNonImage(version)) throw Iex::InputExc("deep pictures are not supported");
+  check_attributes(stream, fs::file_size(file), Imf::isMultiPart(version));
+  stream.seekg(start.size());
   Imf::Header header;
   header.readFrom(input, version);
   header.sanityCheck(Imf::isTiled(version), Imf::isMultiPart(version));

@@ -25,12 +25,18 @@ std::string color_text(const Rgb& color) {
   return text += ")";
 }
 
+std::string on_one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return line;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 80;
   std::string result = "\"";
-  for (const char c : text.substr(0, longest)) {
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;  // a message is one line
-  }
+  result += on_one_line(text.substr(0, longest));
   return result += text.size() > longest ? "...\"" : "\"";
 }
 

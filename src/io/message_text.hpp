@@ -15,6 +15,9 @@ std::string number_text(double value);
 /// "(0.73, 0.73, 0.73)"
 std::string color_text(const Rgb& color);
 
+/// With a space for each line end or other control character, as a message is one line.
+std::string on_one_line(std::string_view text);
+
 /// In double quotes, on one line; long texts are cut.
 std::string in_quotes(std::string_view text);
 

@@ -65,7 +65,9 @@ std::optional<std::uint32_t> PointTree::find_in(const Point2& a, const Point2& b
 
 std::optional<std::uint32_t> PointTree::find_below(std::uint32_t at, const Triangle& t) const {
   const Node& node = nodes_[at];
-  if (node.left == 0 || node.low.x > t.high.x || node.low.y > t.high.y || node.high.x < t.low.x ||
+  // Of points in one place, as a polygon may pass by one corner often, none counts, or the first will do.
+  const bool is_corner = node.low == node.high && (node.low == t.a || node.low == t.b || node.low == t.c);
+  if (node.left == 0 || is_corner || node.low.x > t.high.x || node.low.y > t.high.y || node.high.x < t.low.x ||
       node.high.y < t.low.y || right_of(t.a, t.b, node.low, node.high) || right_of(t.b, t.c, node.low, node.high) ||
       right_of(t.c, t.a, node.low, node.high)) {
     return std::nullopt;

@@ -130,7 +130,7 @@ TomlValue parse_toml(std::string_view text, const std::string& file) {
     // Where the text ends in the middle of a value, toml++ makes a null pointer of it.
     return converted(toml::parse(std::string(text) + '\n'), file);
   } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::input, location_text(file, error.source().begin), std::string(error.description()));
+    throw Error(ErrorKind::input, location_text(file, error.source().begin), on_one_line(error.description()));
   }
 }
 
