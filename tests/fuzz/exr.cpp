@@ -1,0 +1,11 @@
+// EXR files.
+#include "fuzz.hpp"
+#include "raylab/image/image_file.hpp"
+
+using namespace raylab;
+
+RAYLAB_FUZZ(bytes) {
+  const auto file = fuzz::write("picture.exr", bytes);
+  fuzz::read_or_tell([&] { read_image_info(file); });
+  fuzz::read_or_tell([&] { read_exr(file); });
+}
