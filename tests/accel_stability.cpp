@@ -196,29 +196,6 @@ TEST_CASE("one vertex in ten NaN, infinite or too large: the others are met, the
   }
 }
 
-namespace {
-
-/// Rays that an accelerator is not promised, each with none but one fault.
-std::vector<Ray> faulty_rays() {
-  const Ray good{{0.3f, 0.4f, -2.0f}, {0.0f, 0.0f, 1.0f}};
-  std::vector<Ray> rays;
-  for (const float bad : {std::nanf(""), kInfinity, -kInfinity}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      rays.push_back(good);
-      rays.back().origin[axis] = bad;
-      rays.push_back(good);
-      rays.back().direction[axis] = bad;
-    }
-  }
-  for (const float zero : {0.0f, -0.0f}) rays.push_back({good.origin, vec3(zero)});
-  rays.push_back({good.origin, good.direction, std::nanf(""), kInfinity});
-  rays.push_back({good.origin, good.direction, 0.0f, std::nanf("")});
-  rays.push_back({good.origin, good.direction, kInfinity, kInfinity});
-  return rays;
-}
-
-}  // namespace
-
 TEST_CASE("rays with a component that is no number hit nothing, and their neighbours what they hit alone",
           "[stability]") {
   const Geometry geometry{{unit_cube()}, {{{0.3f, 0.4f, 0.5f}, 0.2f}}};

@@ -138,22 +138,12 @@ TEST_CASE("light between two concentric spheres adds up to its series", "[statis
 }
 
 TEST_CASE("a lamp lights the floor by its form factor", "[statistical][furnace]") {
-  // A rectangle of half sides x and y at height h, parallel to the floor, above the point seen.
-  const double x = 0.5, y = 0.3, height = 1.5, radiance = 7.0, albedo = 0.6;
-  const double a = x / height, b = y / height;
-  const double quarter = (a / std::sqrt(1 + a * a) * std::atan(b / std::sqrt(1 + a * a)) +
-                          b / std::sqrt(1 + b * b) * std::atan(a / std::sqrt(1 + b * b))) /
-                         (2.0 * kPiD);
-  SeenScene scene;
-  add_quad(scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, lambertian(grey(static_cast<float>(albedo))));
-  add_quad(scene, vec3(dvec3(-x, height, -y)), vec3(dvec3(2 * x, 0, 0)), vec3(dvec3(0, 0, 2 * y)),
-           light(grey(static_cast<float>(radiance))));
-  look(scene, {1.5f, 0.7f, 1.0f}, vec3(0.0f), 0.02f);
+  const LampOverFloor lamp = lamp_over_floor();
   for (const Method& method : methods()) {
     INFO(method.name);
-    const Estimate found = estimate(scene, method, 2048, 2);
+    const Estimate found = estimate(lamp.scene, method, 2048, 2);
     CHECK(found.error < 0.02 * found.mean);
-    expect_mean(found, 4.0 * quarter * albedo * radiance);
+    expect_mean(found, lamp.expected);
   }
 }
 

@@ -30,17 +30,6 @@ Difference compare(const Film& film, const Film& reference) {
   return d;
 }
 
-/// Everything black but a light behind an opaque wall, and in front of the wall what `add` puts there.
-template <class Add>
-SeenScene hidden_light(const Add& add) {
-  SeenScene scene;
-  add_quad(scene, {-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, light(grey(100.0f)));
-  add_quad(scene, {-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, lambertian(grey(0.8f)));
-  add(scene);
-  look(scene, {0.3f, 0.2f, 6}, vec3(0.0f), 40.0f);
-  return scene;
-}
-
 }  // namespace
 
 TEST_CASE("a lit room scaled by a power of two is the same picture to the bit", "[stability][scale]") {
@@ -76,10 +65,9 @@ TEST_CASE("a lit room from a micrometre to a thousand kilometres is the same pic
 }
 
 TEST_CASE("no light comes through a plate half a millimetre behind glass", "[stability][scale]") {
-  const SeenScene scene = hidden_light([](Scene& s) {
-    add_quad(s, {-20, -20, 5e-4f}, {40, 0, 0}, {0, 40, 0}, glass(1.5f));
-    add_sphere(s, {0, 0, 3}, 0.5f, lambertian(grey(0.9f)));
-  });
+  SeenScene scene = hidden_light();
+  add_quad(scene, {-20, -20, 5e-4f}, {40, 0, 0}, {0, 40, 0}, glass(1.5f));
+  add_sphere(scene, {0, 0, 3}, 0.5f, lambertian(grey(0.9f)));
   for (const auto integrator : {IntegratorKind::path, IntegratorKind::book}) {
     for (const char* accelerator : {"list", "embree", "embree-robust"}) {
       RenderOptions options = render_options(12, 12, 32, 12);
@@ -95,7 +83,7 @@ TEST_CASE("no light comes through a plate half a millimetre behind glass", "[sta
 TEST_CASE("bent shading normals let no light through a wall", "[stability][scale]") {
   // Normals almost along the wall: half of the directions that look reflected go through it.
   for (const Material& material : {lambertian(grey(0.8f)), metal(grey(0.9f), 0.5f), metal(grey(0.9f), 0.0f)}) {
-    SeenScene scene = hidden_light([](Scene&) {});
+    SeenScene scene = hidden_light();
     scene.materials[1] = material;
     TriangleMesh& wall = scene.geometry.meshes[1];
     wall.normals = {glm::normalize(vec3(1, 0, 0.1f)), glm::normalize(vec3(0, 1, 0.1f)),

@@ -69,6 +69,24 @@ std::vector<Ray> axis_aligned_rays(const Bounds& bounds, std::size_t count, std:
   return rays;
 }
 
+std::vector<Ray> faulty_rays() {
+  const Ray good{{0.3f, 0.4f, -2.0f}, {0.0f, 0.0f, 1.0f}};
+  std::vector<Ray> rays;
+  for (const float bad : {std::nanf(""), kInfinity, -kInfinity}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      rays.push_back(good);
+      rays.back().origin[axis] = bad;
+      rays.push_back(good);
+      rays.back().direction[axis] = bad;
+    }
+  }
+  for (const float zero : {0.0f, -0.0f}) rays.push_back({good.origin, vec3(zero)});
+  rays.push_back({good.origin, good.direction, std::nanf(""), kInfinity});
+  rays.push_back({good.origin, good.direction, 0.0f, std::nanf("")});
+  rays.push_back({good.origin, good.direction, kInfinity, kInfinity});
+  return rays;
+}
+
 std::vector<Ray> rays_at_vertices(const TriangleMesh& mesh, const vec3& inside, float spread, std::size_t count,
                                   std::uint64_t seed) {
   UniformFloats uniform(seed);

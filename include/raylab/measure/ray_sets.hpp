@@ -66,6 +66,9 @@ std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count, std::uint6
 /// Rays along the axes through points of `bounds`, from outside; the two other components are 0 or -0 at random.
 std::vector<Ray> axis_aligned_rays(const Bounds& bounds, std::size_t count, std::uint64_t seed);
 
+/// What is no ray, each for one reason: a component that is NaN or infinite, no direction, an interval without numbers.
+std::vector<Ray> faulty_rays();
+
 /// Rays from within a closed mesh to its vertices. Their origins are uniform in the cube of half side `spread`
 /// around `inside`, all of which must lie inside. Each of the rays must hit.
 std::vector<Ray> rays_at_vertices(const TriangleMesh& mesh, const vec3& inside, float spread, std::size_t count,

@@ -1,11 +1,12 @@
-#include "test_scenes.hpp"
+#include "raylab/measure/made_scenes.hpp"
 
 #include <bit>
 #include <cmath>
 
 #include "raylab/accel/accelerator.hpp"
+#include "raylab/measure/shapes.hpp"
 
-namespace raylab::test {
+namespace raylab::made {
 
 namespace {
 
@@ -98,18 +99,8 @@ void add_quad(Scene& scene, const vec3& corner, const vec3& e1, const vec3& e2, 
 }
 
 void add_box(Scene& scene, const vec3& lower, const vec3& upper, const Material& material) {
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    mesh.positions.push_back(
-        {(i & 1u) ? upper.x : lower.x, (i & 2u) ? upper.y : lower.y, (i & 4u) ? upper.z : lower.z});
-    mesh.texcoords.push_back({(i & 1u) ? 1.0f : 0.0f, (i & 2u) ? 1.0f : 0.0f});
-  }
-  constexpr std::uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                          {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& f : kFaces) {
-    mesh.triangles.push_back({f[0], f[1], f[2]});
-    mesh.triangles.push_back({f[0], f[2], f[3]});
-  }
+  TriangleMesh mesh = box_mesh(lower, upper);
+  for (std::uint32_t i = 0; i < 8; ++i) mesh.texcoords.push_back({(i & 1u) ? 1.0f : 0.0f, (i & 2u) ? 1.0f : 0.0f});
   add_mesh(scene, std::move(mesh), material);
 }
 
@@ -186,6 +177,30 @@ SeenScene lit_room(float scale) {
   return scene;
 }
 
+SeenScene hidden_light() {
+  SeenScene scene;
+  add_quad(scene, {-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, light(grey(100.0f)));
+  add_quad(scene, {-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, lambertian(grey(0.8f)));
+  look(scene, {0.3f, 0.2f, 6}, vec3(0.0f), 40.0f);
+  return scene;
+}
+
+LampOverFloor lamp_over_floor() {
+  // A rectangle of half sides x and y at height h, parallel to the floor, above the point seen.
+  const double x = 0.5, y = 0.3, height = 1.5, radiance = 7.0, albedo = 0.6;
+  const double a = x / height, b = y / height;
+  const double quarter = (a / std::sqrt(1 + a * a) * std::atan(b / std::sqrt(1 + a * a)) +
+                          b / std::sqrt(1 + b * b) * std::atan(a / std::sqrt(1 + b * b))) /
+                         (2.0 * 3.14159265358979323846);
+  LampOverFloor made;
+  add_quad(made.scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, lambertian(grey(static_cast<float>(albedo))));
+  add_quad(made.scene, vec3(dvec3(-x, height, -y)), vec3(dvec3(2 * x, 0, 0)), vec3(dvec3(0, 0, 2 * y)),
+           light(grey(static_cast<float>(radiance))));
+  look(made.scene, {1.5f, 0.7f, 1.0f}, vec3(0.0f), 0.02f);
+  made.expected = 4.0 * quarter * albedo * radiance;
+  return made;
+}
+
 void scale_scene(SeenScene& scene, float factor) {
   for (TriangleMesh& mesh : scene.geometry.meshes) {
     for (vec3& p : mesh.positions) p *= factor;
@@ -253,4 +268,4 @@ int different_pixels(const Film& a, const Film& b) {
   return different;
 }
 
-}  // namespace raylab::test
+}  // namespace raylab::made
