@@ -85,6 +85,31 @@ TEST_CASE("raylab-bench embree measures our Embree backends beside bare loops ov
   }
 }
 
+TEST_CASE("raylab-bench stability counts the failures of each method at each value, and names no other case",
+          "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = raylab_bench({"stability", "--case", "small-triangle,20", "--accel", "list,bvh", "--rays",
+                                          "200", "--out", folder.path().string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Results results = read_results(folder.path());
+  CHECK(results.runs[0]["complete"] == true);
+  // Nineteen sizes, two accelerators of three triangle tests, single rays and batches.
+  CHECK(rows_where(results, "scene", "small-triangle").size() == 19 * 12);
+  // Seven gaps, integrators and offsets of two accelerators.
+  CHECK(rows_where(results, "scene", "plates").size() == 7 * 5 * 2);
+  for (const Row& row : results.rows) {
+    INFO(row.dump());
+    for (const char* field : {"case", "theme", "title", "fails", "swept", "value", "holds", "trials", "failures"}) {
+      CHECK(row.contains(field));
+    }
+    const bool sound = row.value("intersector", "watertight") == "watertight" && row.value("ray_offset", "") != "book";
+    if (sound) CHECK(row["failures"] == 0);
+  }
+  CHECK(run.out.find("list book") != std::string::npos);
+  expect_failure({"stability", "--case", "small-triangel"}, 2, "small-triangle");
+}
+
 TEST_CASE("raylab-bench render tells the error of each way against one reference", "[cli][bench]") {
   const TempFolder folder;
   const std::vector<std::string> arguments{"render",          kCornell, "--width",   "16",

@@ -219,6 +219,29 @@ CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
   return command;
 }
 
+CLI::App* add_stability(CLI::App& app, StabilityOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("stability", "Known failures: how often each method fails, against what breaks it");
+  command->add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of all random numbers")->capture_default_str();
+  command->add_option("--case", options.cases, "Names or numbers of cases, comma separated (default: all)")
+      ->delimiter(',');
+  command
+      ->add_option("--accel", options.accels,
+                   "Accelerators, comma separated (default: all but exact; of cases that make pictures, bvh)")
+      ->delimiter(',');
+  command->add_option("--intersector", options.intersectors, "Triangle tests, comma separated (default: all)")
+      ->delimiter(',');
+  command->add_option("--isa", options.isas, "Instruction sets of bvh, comma separated (default: the newest)")
+      ->delimiter(',');
+  command->add_option("--rays", options.rays, "Rays, or paths, of each method at each value")
+      ->check(CLI::Range(100, 1 << 26))
+      ->capture_default_str();
+  command->add_flag("--quick", options.quick, "No more than 1,000 of them");
+  return command;
+}
+
 CLI::App* add_report(CLI::App& app, ReportOptions& options) {
   CLI::App* command = app.add_subcommand("report", "Charts and index.html of a folder of results");
   command->add_option("folder", options.folder, "Folder of results")->required();
@@ -270,6 +293,7 @@ int run(int argc, char** argv) {
   ScaleOptions scale_options;
   ProcessOptions process_options, threads_options;
   ProfileOptions profile_options;
+  StabilityOptions stability_options;
   ReportOptions report_options;
   CompareOptions compare_options;
   // A render takes long enough to time well, and its error needs few seeds to be known.
@@ -284,16 +308,18 @@ int run(int argc, char** argv) {
   const CLI::App* process_command = add_process(app, process_options);
   const CLI::App* threads_command = add_threads(app, threads_options);
   const CLI::App* profile_command = add_profile(app, profile_options);
+  const CLI::App* stability_command = add_stability(app, stability_options);
   const CLI::App* report_command = add_report(app, report_options);
   const CLI::App* compare_command = add_compare(app, compare_options);
   int exit_code = 0;
   if (!parse_or_tell(app, argc, argv, exit_code)) return exit_code;
   const std::string line = command_line("raylab-bench", argc, argv);
-  for (CommonOptions* o : {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
-                           static_cast<CommonOptions*>(&embree_options), static_cast<CommonOptions*>(&render_options),
-                           static_cast<CommonOptions*>(&needs_options), static_cast<CommonOptions*>(&scale_options),
-                           static_cast<CommonOptions*>(&process_options), static_cast<CommonOptions*>(&threads_options),
-                           static_cast<CommonOptions*>(&profile_options)}) {
+  for (CommonOptions* o :
+       {static_cast<CommonOptions*>(&rays_options), static_cast<CommonOptions*>(&ladder_options),
+        static_cast<CommonOptions*>(&embree_options), static_cast<CommonOptions*>(&render_options),
+        static_cast<CommonOptions*>(&needs_options), static_cast<CommonOptions*>(&scale_options),
+        static_cast<CommonOptions*>(&process_options), static_cast<CommonOptions*>(&threads_options),
+        static_cast<CommonOptions*>(&profile_options), static_cast<CommonOptions*>(&stability_options)}) {
     o->command_line = line;
   }
   if (*rays_command) return rays(rays_options);
@@ -305,6 +331,7 @@ int run(int argc, char** argv) {
   if (*process_command) return process(process_options);
   if (*threads_command) return threads(threads_options);
   if (*profile_command) return bench::profile(profile_options);
+  if (*stability_command) return bench::stability(stability_options);
   if (*report_command) return report(report_options);
   if (*compare_command) return compare(compare_options);
   return 0;

@@ -67,6 +67,13 @@ struct ProfileOptions : CommonOptions {
   int spp = 0;    ///< 0: the scene's
 };
 
+struct StabilityOptions : CommonOptions {
+  std::vector<std::string> cases;  ///< names or numbers; none: all
+  std::vector<std::string> isas;
+  std::size_t rays = 20000;
+  bool quick = false;
+};
+
 struct ReportOptions {
   std::string folder;
   std::string python;  ///< empty: found
@@ -96,5 +103,6 @@ int render(const RenderSuiteOptions& options);
 int process(const ProcessOptions& options);
 int threads(const ProcessOptions& options);
 int profile(const ProfileOptions& options);
+int stability(const StabilityOptions& options);
 
 }  // namespace raylab::bench
