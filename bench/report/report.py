@@ -24,12 +24,14 @@ try:
     import render_charts
     import rows
     import scale_charts
+    import stability_charts
     import style
 except ModuleNotFoundError as missing:
     print(f"report.py: no module {missing.name}; Debian: apt-get install python3-{missing.name}", file=sys.stderr)
     sys.exit(1)
 
-SUITES = [rays_charts, render_charts, difference_charts, ladder_charts, scale_charts, needs_charts, process_charts]
+SUITES = [rays_charts, render_charts, difference_charts, ladder_charts, scale_charts, needs_charts, process_charts,
+          stability_charts]
 
 
 def charts_of(results, folder):

@@ -23,6 +23,7 @@ import render_charts  # noqa: E402
 import report  # noqa: E402
 import rows  # noqa: E402
 import scale_charts  # noqa: E402
+import stability_charts  # noqa: E402
 import style  # noqa: E402
 
 MACHINE = {"cpu": "a", "threads": 2}
@@ -57,6 +58,12 @@ def scale_row(accel, threads, speed, build, **fields):
             "build_seconds": build, "build_seconds_min": 0.9 * build, "build_seconds_max": 1.1 * build, "bytes": 1200,
             "mrays_per_second": spread(speed), "mrays_per_second_wall": spread(speed), "rays_checked": 100, "wrong": 0,
             **fields}
+
+
+def stability_row(value, failures, trials=20000, **fields):
+    return {"suite": "stability", "scene": "edges", "case": 5, "accel": "bvh", "queries": "single", "theme": "leaks",
+            "title": "To edges", "fails": "the ray goes through", "swept": "radius", "value": value,
+            "holds": value < 10.0, "trials": trials, "failures": failures, **fields}
 
 
 def results_of(*fields):
@@ -288,6 +295,43 @@ class Threads(unittest.TestCase):
     def test_paired_runs_are_taken_where_there_are_some(self):
         row = {"suite": "threads", "scene": "box", "accel": "bvh", "threads": 2, "processes": 1, "speedup": spread(1.9)}
         self.assertEqual(scale_charts.speedups(results_of(row))["box"][0][1:3], (spread(1.9), True))
+
+
+class Stability(unittest.TestCase):
+    def test_the_matrix_says_from_where_a_method_fails(self):
+        def text(*failures):
+            rows = [stability_row(10.0**i, count, 100) for i, count in enumerate(failures)]
+            return stability_charts.where(rows).text
+
+        self.assertEqual(text(0, 0, 0), "holds")
+        self.assertEqual(text(0, 1, 7), "from 10")
+        self.assertEqual(text(5, 1, 0), "to 10")
+        self.assertEqual(text(5, 1, 9), "everywhere")
+        self.assertEqual(text(0, 1, 0), "at 10")
+        self.assertEqual(text(0, 1, 2, 0), "10–100")
+        self.assertEqual(text(1, 0, 2), "1–100, not all")
+        self.assertEqual(stability_charts.where([stability_row(1.0, 50, 100)]).below, "50%")
+
+    def test_none_of_many_is_said_to_be_below_a_rate(self):
+        cases = stability_charts.cases_of(results_of(*(stability_row(value, 0) for value in (1.0, 10.0))))
+        self.assertEqual(stability_charts.says(cases),
+                         "Nothing fails in 1 cases. 0 of 20,000 means below 184 in a million at 95%.")
+
+    def test_batches_are_drawn_where_they_differ_alone(self):
+        rows = [stability_row(value, 3, accel="embree") for value in (1.0, 10.0)]
+        batches = [{**row, "queries": "batch", "failures": row["failures"] + (row["value"] > 1.0)} for row in rows]
+        lines = {name for name, *_ in stability_charts.lines_of(
+            stability_charts.cases_of(results_of(*rows, *batches))[5])}
+        self.assertEqual(lines, {"embree", "embree batch"})
+        same = [{**row, "queries": "batch"} for row in rows]
+        lines = {name for name, *_ in stability_charts.lines_of(stability_charts.cases_of(results_of(*rows, *same))[5])}
+        self.assertEqual(lines, {"embree"})
+
+    def test_the_page_has_the_matrix_and_the_promises(self):
+        page = page_of(*(stability_row(value, count, accel=accel) for accel, count in (("bvh", 0), ("embree", 12))
+                         for value in (1.0, 10.0)))
+        for part in ("Where accelerators fail", "What each method promises", "everywhere", "stability-leaks"):
+            self.assertIn(part, page)
 
 
 class Program(unittest.TestCase):
