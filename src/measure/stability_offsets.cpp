@@ -192,13 +192,13 @@ StabilityTrial ground_shadow(double radius, std::size_t count, std::uint64_t see
     StabilityCount found;
     for (const SeenScene& scene : scenes->dark) {
       const StabilityCount lit =
-          lit_pixels(stability_render(scene, stability_render_options(method, count / 2, 1, seed, 2), method));
+          lit_pixels(stability_render(scene, stability_render_options(method, std::max<std::size_t>(count / 16, 64), 1, seed, 2), method));
       found.failures += lit.failures;
       found.trials += lit.trials;
     }
     for (const SeenScene& scene : scenes->lit) {
       const StabilityCount off =
-          rows_off(stability_render(scene, stability_render_options(method, count, 64, seed + 1, 2), method),
+          rows_off(stability_render(scene, stability_render_options(method, 8 * count, 1024, seed + 1, 2), method),
                    scenes->expected, 1e-3);
       found.failures += off.failures;
       found.trials += off.trials;
@@ -231,8 +231,8 @@ std::vector<StabilityCase> stability_offset_cases() {
        powers_of_ten(-7, -2, 0.5), 1e-5, 0.01, "bvh path book offset", cover},
       // Points of the sphere are moved along a normal whose error grows with the radius.
       {44, "ground-shadow", "Light and shadow on a ground sphere and a floor of its size",
-       "a path that finds light in the shadow, or a row of lit pixels off", "radius", paths, powers_of_ten(1, 7), 10,
-       1e5, "", ground_shadow},
+       "a path that finds light in the shadow, or a row of lit pixels off", "radius", renders, powers_of_ten(1, 7), 10,
+       1e4, "", ground_shadow},
       // At 1e5 a float's step is 0.008, of a room whose lamp hangs 0.02 below the ceiling.
       {45, "room-offset", "A lit room far from the origin", rows, "distance from the origin", renders,
        powers_of_ten(0, 7), 1, 1e4, "bvh path book offset", room_offset},
