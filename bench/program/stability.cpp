@@ -19,9 +19,17 @@ StabilityChoice choice_of(const StabilityOptions& options) {
   return choice;
 }
 
+/// The instruction set, and of Embree the version, that the method's accelerator says it uses; empty for none.
+std::string isa_of(const StabilityMethod& method) {
+  if (method.accel.empty()) return "";
+  const Geometry nothing;
+  return make_accelerator(method.accel, nothing, method.options())->build_report().isa;
+}
+
 Row row_of(const StabilityCase& tried, const StabilityMethod& method, double value, const StabilityCount& count) {
   Row row{{"suite", "stability"}, {"scene", tried.name}};
   add_fields(row, method);
+  if (const std::string isa = isa_of(method); !isa.empty()) row["isa"] = isa;
   row.update({{"case", tried.id},
               {"theme", tried.theme},
               {"title", tried.title},

@@ -191,8 +191,8 @@ StabilityTrial ground_shadow(double radius, std::size_t count, std::uint64_t see
   return [=](const StabilityMethod& method) {
     StabilityCount found;
     for (const SeenScene& scene : scenes->dark) {
-      const StabilityCount lit =
-          lit_pixels(stability_render(scene, stability_render_options(method, std::max<std::size_t>(count / 16, 64), 1, seed, 2), method));
+      const StabilityCount lit = lit_pixels(stability_render(
+          scene, stability_render_options(method, std::max<std::size_t>(count / 16, 64), 1, seed, 2), method));
       found.failures += lit.failures;
       found.trials += lit.trials;
     }
