@@ -51,6 +51,8 @@ const Library kLibraries[] = {
     {"toml++/", {"src/io/"}},
     {"OpenEXR/", {"src/image/"}},
     {"Imf", {"src/image/"}},
+    {"png.h", {"src/image/"}},
+    {"jpeglib.h", {"src/image/"}},
     // Parallel.cpp sets how every thread rounds; all else is written for the vectors of core/simd.
     {"immintrin.h", {"src/core/simd/", "src/core/parallel.cpp"}},
     {"xmmintrin.h", {"src/core/simd/", "src/core/parallel.cpp"}},

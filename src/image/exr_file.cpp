@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cinttypes>
 #include <exception>
 #include <fstream>
@@ -216,7 +217,7 @@ Imf::FrameBuffer rgb_buffer(Rgb* pixels, const Box2i& window, std::size_t row_st
                         std::intptr_t{window.min.x} * static_cast<std::intptr_t>(sizeof(Rgb)) -
                         std::intptr_t{window.min.y} * static_cast<std::intptr_t>(row_stride);
     buffer.insert(names[static_cast<std::size_t>(c)],
-                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), sizeof(Rgb), row_stride));
+                  Imf::Slice(Imf::FLOAT, std::bit_cast<char*>(origin), sizeof(Rgb), row_stride));
   }
   return buffer;
 }

@@ -69,9 +69,9 @@ Attributes read_exr_attributes(const std::filesystem::path& file);
 /// damaged (what its checksums find included), beyond the budget of read_image.
 Image8 read_image8(const std::filesystem::path& file);
 
-/// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input). Before memory is asked for, the size
-/// in the header is held against a budget: in memory a picture may take 2 GiB, and no more than 64 MiB or 2^17 times
-/// its file, whichever is more, which no whole file of a picture exceeds but by being empty of content. All that
+/// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input). Before memory is asked for, the
+/// size in the header is held against a budget: in memory a picture may take 2 GiB, and no more than 64 MiB or 2^17
+/// times its file, whichever is more, which no whole file of a picture exceeds but by being empty of content. All that
 /// reading takes at a time stays below 1.5 times the picture.
 Image read_image(const std::filesystem::path& file);
 
