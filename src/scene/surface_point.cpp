@@ -21,9 +21,10 @@ SurfacePoint point_on_triangle(const Triangle& t, float u, float v) {
 }
 
 SurfacePoint point_on_sphere(const Sphere& sphere, const vec3& n) {
+  const Vec3<double> direction(n);  // of unit length only as far as floats can be
+  const double scale = static_cast<double>(sphere.radius) / std::sqrt(dot(direction, direction));
   PointLanes<float> p;
-  place_on_sphere<float>(Vec3<double>(sphere.center), sphere.radius,
-                         static_cast<double>(sphere.radius) * Vec3<double>(n), p);
+  place_on_sphere<float>(Vec3<double>(sphere.center), sphere.radius, scale * direction, p);
   return as_surface_point(p);
 }
 
