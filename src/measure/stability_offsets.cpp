@@ -219,23 +219,22 @@ std::vector<StabilityCase> stability_offset_cases() {
        "book offset", spawn},
       // A gap of less than the offset of the outer sphere's points is stepped over.
       {18, "shells", "A sphere just within another", "the inner one is missed", "gap in radii", offsets,
-       powers_of_ten(-7, -1, 0.5), 3e-6, 0.1, "book offset", shells},
+       powers_of_ten(-7, -1, 0.5), 3e-7, 0.1, "book offset", shells},
       {19, "room-scale", "A lit room of any size", rows, "scale", renders, powers_of_ten(-16, 16, 4), 1e-16, 1e16,
        "bvh path book offset", room_scale},
       {20, "plates", "A wall just behind glass, a lamp behind the wall", lit, "gap", renders, powers_of_ten(-7, -1),
        1e-7, 0.1, "bvh path book offset", plates},
       {30, "bent-normals", "A wall with bent normals before a lamp", lit, "bend in degrees", renders,
        values(0, 15, 30, 45, 60, 75, 84, 89), 0, 89, "", bent_normals},
-      // Shadow rays end before the lamp, by its offset and more: what covers it more closely is not seen.
+      // Shadow rays end a few steps of floats before the lamp: what covers it more closely is not seen.
       {42, "cover", "A lamp 1 above the floor, covered", lit, "gap between lamp and cover", renders,
-       powers_of_ten(-7, -2, 0.5), 1e-5, 0.01, "bvh path book offset", cover},
-      // Points of the sphere are moved along a normal whose error grows with the radius.
+       powers_of_ten(-7, -2, 0.5), 9e-7, 0.01, "bvh path book offset", cover},
       {44, "ground-shadow", "Light and shadow on a ground sphere and a floor of its size",
        "a path that finds light in the shadow, or a row of lit pixels off", "radius", renders, powers_of_ten(1, 7), 10,
-       1e4, "", ground_shadow},
-      // At 1e5 a float's step is 0.008, of a room whose lamp hangs 0.02 below the ceiling.
+       1e7, "", ground_shadow},
+      // At 1e6 a float's step is 0.06, of a room whose lamp hangs 0.02 below the ceiling.
       {45, "room-offset", "A lit room far from the origin", rows, "distance from the origin", renders,
-       powers_of_ten(0, 7), 1, 1e4, "bvh path book offset", room_offset},
+       powers_of_ten(0, 7), 1, 1e5, "bvh path book offset", room_offset},
       // Where three walls meet, a ray's start that is moved off one of them may be moved through another: of paths all
       // of which end in the corner's last hundredth 40 in a million find light at 10, and 3,100 at 1,000.
       {46, "box-corners", "The corner of a closed box of size 2 under a bright sky", lit, "distance from the origin",

@@ -187,13 +187,14 @@ class Wavefront {
   PointLanes<Wide> surface_points(std::size_t first, const HitLanes& hits, const PathState<Wide>& path) const {
     PointLanes<Wide> point;
     const auto& c = surfaces_.corner;
-    const WideVec3 p0 = load3(c[0], c[1], c[2]);
-    place_on_triangle<Wide>(p0, load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]), Wide::load(hits.u),
-                            Wide::load(hits.v), point);
+    const WideVec3 p0 = load3(c[0], c[1], c[2]), p1 = load3(c[3], c[4], c[5]), p2 = load3(c[6], c[7], c[8]);
+    const Wide t = Wide::load(hit_t_ + first);
+    place_on_triangle<Wide>(p0, p1, p2, Wide::load(hits.u), Wide::load(hits.v), point);
+    place_on_ray<Wide>(p0, p1, p2, path.origin, path.direction, t, point);
     if (surfaces_.spheres != 0) {
       const WideMask spheres = WideMask::of(surfaces_.spheres);
       PointLanes<Wide> on_sphere;
-      place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin, path.direction, Wide::load(hit_t_ + first), on_sphere);
+      place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin, path.direction, t, on_sphere);
       point.position = select<Wide>(spheres, on_sphere.position, point.position);
       point.ng = select<Wide>(spheres, on_sphere.ng, point.ng);
       point.offset = select(spheres, on_sphere.offset, point.offset);

@@ -64,6 +64,25 @@ void place_on_triangle(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, 
   point.offset = bound.x + bound.y + bound.z;
 }
 
+/// Moves a point of a triangle far larger than the point's distance from the origin, whose weights u and v then say too
+/// little of where it is, onto the ray that has met it: the ray is followed to the triangle's plane, in double.
+template <class F>
+void place_on_ray(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, const Vec3<F>& origin,
+                  const Vec3<F>& direction, const F& t, PointLanes<F>& point) {
+  const F size = max_component(abs(p1 - p0) + abs(p2 - p0));
+  const MaskOf<F> outsized = size > F(1024.0f) * max_component(abs(point.position));
+  if (!any(outsized)) [[likely]]
+    return;
+  using D = DoubleOf<F>;
+  const Vec3<D> corner(p0), d(direction);
+  const Vec3<D> n = cross(Vec3<D>(p1) - corner, Vec3<D>(p2) - corner);
+  const Vec3<D> beside = Vec3<D>(origin) + D(t) * d;
+  const D facing = dot(d, n);
+  const Vec3<F> on_ray = to_float(beside + (dot(corner - beside, n) / facing) * d);
+  const MaskOf<F> meets = (D(0.0) < abs(facing)) & outsized;
+  point.position = select<F>(meets, on_ray, point.position);
+}
+
 /// The point of a sphere at `from_center` (of any length near the radius) from its centre, and the offset. That covers
 /// the rounding of the position and of adding the offset; and for queries, which decide in double, 2^-48 of the radius.
 template <class F>

@@ -38,7 +38,11 @@ SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& 
     return point;
   }
   const TriangleMesh& mesh = geometry.meshes[hit.geometry];
-  SurfacePoint point = point_on_triangle(triangle_corners(mesh, hit.primitive), hit.u, hit.v);
+  const Triangle corners = triangle_corners(mesh, hit.primitive);
+  PointLanes<float> p;
+  place_on_triangle<float>(corners.p0, corners.p1, corners.p2, hit.u, hit.v, p);
+  place_on_ray<float>(corners.p0, corners.p1, corners.p2, ray.origin, ray.direction, hit.t, p);
+  SurfacePoint point = as_surface_point(p);
   if (!mesh.normals.empty()) {
     point.ns = shading_normal<float>(interpolated_normal(mesh, hit.primitive, hit.u, hit.v), point.ng);
   }

@@ -230,9 +230,8 @@ class Embree final : public Accelerator {
         hits.set(ray, test_all(rays.ray(ray)));
         continue;
       }
-      hits.set(ray,
-               to_hit(query.ray.tfar[i], query.ray.tnear[i], packet.far[i], packet.whole ? 1.0f : packet.scale[i],
-                      query.hit.u[i], query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
+      hits.set(ray, to_hit(query.ray.tfar[i], query.ray.tnear[i], packet.far[i], packet.whole ? 1.0f : packet.scale[i],
+                           query.hit.u[i], query.hit.v[i], query.hit.geomID[i], query.hit.primID[i]));
     }
   }
 
