@@ -178,3 +178,17 @@ TEST_CASE("a metal of any fuzz reflects all of a lamp that it sees nothing but",
     }
   }
 }
+
+TEST_CASE("with the book's offset shadow rays leave their surface too", "[stability][scale]") {
+  SeenScene scene;
+  add_sphere(scene, vec3(0.0f), 1.0f, lambertian(grey(0.5f)));
+  add_quad(scene, {-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(10.0f)));
+  look(scene, {0, 3, 3}, vec3(0.0f), 40.0f);
+  RenderOptions options = render_options(16, 16, 256, 2);
+  const Estimate bounds = mean_luminance(render(scene, options));
+  options.integrator.ray_offset = RayOffset::book;
+  for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::reference}) {
+    options.integrator.kind = kind;
+    CHECK(mean_luminance(render(scene, options)).mean == Approx(bounds.mean).epsilon(0.01));
+  }
+}

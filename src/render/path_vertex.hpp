@@ -115,7 +115,7 @@ struct SampledLight {
 template <class F>
 struct ShadowRay {
   Vec3<F> origin, direction;
-  F t_max;
+  F t_min, t_max;
   Vec3<F> radiance;
   MaskOf<F> usable;  ///< elsewhere nothing can arrive, and the rest means nothing
 };
@@ -137,6 +137,8 @@ ShadowRay<F> shadow_ray(const PathVertex<F>& v, const PathState<F>& path, const 
   if (!any(ray.usable)) return ray;
   ray.origin = ray_start(v, light.wi, offset);
   ray.direction = select<F>(light.infinite, light.wi, light.position - ray.origin);
+  ray.t_min = F(0.0f);
+  if (offset == RayOffset::book) ray.t_min = F(kBookOffset) / sqrt(dot(ray.direction, ray.direction));
   ray.t_max = light.end;
   ray.radiance = path.throughput * f.value * light.radiance * (mis_weight(light.pdf, f.pdf) / light.pdf);
   return ray;

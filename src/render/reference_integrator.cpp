@@ -38,7 +38,7 @@ Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathSt
       v, path, {light.wi, light.position, light.radiance, light.end, light.pdf, light.infinite}, s.settings.ray_offset);
   if (!ray.usable) return Rgb(0.0f);
   ++counts.shadow;
-  return s.accelerator.occluded({ray.origin, ray.direction, 0.0f, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);
+  return s.accelerator.occluded({ray.origin, ray.direction, ray.t_min, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);
 }
 
 /// The argument of shading_normal() in scene/surface_lanes.hpp.

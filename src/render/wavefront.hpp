@@ -261,7 +261,7 @@ class Wavefront {
     if (!any(usable)) return;
     compress3(ray.origin, usable, shadow_.origin, shadows_);
     compress3(ray.direction, usable, shadow_.direction, shadows_);
-    compress(Wide(0.0f), usable, shadow_.t_min + shadows_);
+    compress(ray.t_min, usable, shadow_.t_min + shadows_);
     compress(ray.t_max, usable, shadow_.t_max + shadows_);
     compress3(ray.radiance, usable, shadow_.radiance, shadows_);
     compress(WideUInt::load(paths_.slot + first), usable, shadow_.slot + shadows_);
