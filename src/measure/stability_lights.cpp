@@ -209,7 +209,7 @@ std::vector<StabilityCase> stability_light_cases() {
   const std::string rows = "a row of pixels off by 4.5 standard errors";
   return {
       {26, "furnace-albedo", "A glowing sphere within a diffuse one, against the sum of its series", rows, "albedo",
-       renders, values(0.1, 0.5, 0.8, 0.9, 0.95, 0.99), 0.1, 0.99, "bvh path book offset", series},
+       renders, values(0.1, 0.5, 0.8, 0.9, 0.95, 0.99), 0.1, 0.99, "", series},
       {27, "glass-inside", "Glass seen from inside, against Fresnel's equations", rows, "angle in degrees", renders,
        values(0, 20, 35, 38, 40, 41, 41.5, 41.8, 42), 0, 42, "", glass_from_inside},
       {29, "threads", "Threads, tiles and passes", "a pixel of other bits than on one thread", "threads", renders,

@@ -50,9 +50,9 @@ StabilityTrial one_texel(double height, std::size_t count, std::uint64_t seed) {
     const int h = static_cast<int>(height), w = 2 * h;
     UniformFloats uniform(seed);
     StabilityCount found;
-    for (const auto& [sun_x, sun_y] : {std::pair{0, 0}, std::pair{w - 1, h / 2}, std::pair{w / 2, h - 1}}) {
+    for (const glm::ivec2& sun : {glm::ivec2(0, 0), glm::ivec2(w - 1, h / 2), glm::ivec2(w / 2, h - 1)}) {
       Scene scene;
-      set_sky(scene, w, h, [&](int x, int y) { return Rgb(x == sun_x && y == sun_y ? 1e6f : 0.0f); });
+      set_sky(scene, w, h, [&](int x, int y) { return Rgb(glm::ivec2(x, y) == sun ? 1e6f : 0.0f); });
       const EnvironmentSampler sampler(scene.environment);
       std::size_t lost = 0;
       for (std::size_t i = 0; i < count / 3; ++i) {
