@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 
 import answers  # noqa: E402  (after no byte code is written)
 import rows  # noqa: E402
+import stability_charts as stability  # noqa: E402
 import style  # noqa: E402
 from style import number  # noqa: E402
 
@@ -107,6 +108,30 @@ def thread_lines(results):
                    f"({s['min']:.2f} to {s['max']:.2f}).")
 
 
+STABILITY_METHODS = ["rtiow book", "list fast", "embree", "embree-robust", "bvh watertight"]
+STABILITY_CASES = [1, 4, 5, 9, 13, 14, 16, 23, 24, 34]
+
+
+def stability_table(results):
+    """From which value on each method fails, for cases that part them, and of how many cases it fails some."""
+    cases = stability.cases_of(results)
+    queries = {case: methods for case, methods in cases.items() if not stability.is_light(stability.first_of(methods))}
+    if not set(STABILITY_CASES) <= set(queries):
+        return ""
+    body = []
+    for case in STABILITY_CASES:
+        row = stability.first_of(queries[case])
+        cells = [stability.cell(queries[case], name) for name in STABILITY_METHODS]
+        body.append([f"{row['scene']} ({row['swept']})", *(c.text for c in cells)])
+    failed = []
+    for name in STABILITY_METHODS:
+        tried = [methods[name] for methods in queries.values() if name in methods]
+        failing = sum(any(row["failures"] for rows_of in ways.values() for row in rows_of) for ways in tried)
+        failed.append(f"{failing} of {len(tried)}")
+    body.append(["**cases failed somewhere**", *failed])
+    return markdown(["fails, at", *(f"`{name}`" for name in STABILITY_METHODS)], body)
+
+
 def section(results):
     parts = [f"Machine: {style.machine_of(results)}.",
              "Million rays a second of one thread; medians. Each accelerator with its own triangle test; all others, "
@@ -119,6 +144,10 @@ def section(results):
                   "[best settings found](bench/peers/README.md). Of another renderer the error is its noise, the spread of its "
                   "own pictures, since what it models otherwise would stay whatever the time; ≈: extrapolated, not "
                   "reached:", pictures]
+    if failures := stability_table(results):
+        parts += ["Where methods fail (`raylab-bench stability`: 66 known failures, swept over what breaks; some that "
+                  "part the accelerators, single rays, batches where they differ). All of them, the pictures' too, with "
+                  "rates and intervals: [bench/results](bench/results/index.html).", failures]
     if lines := [*process_lines(results), *thread_lines(results)]:
         parts.append("\n".join(lines))
     return "\n\n".join(parts)

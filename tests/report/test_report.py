@@ -19,6 +19,7 @@ import answers  # noqa: E402
 import difference_charts  # noqa: E402
 import intervals  # noqa: E402
 import rays_charts  # noqa: E402
+import readme  # noqa: E402
 import render_charts  # noqa: E402
 import report  # noqa: E402
 import rows  # noqa: E402
@@ -332,6 +333,16 @@ class Stability(unittest.TestCase):
                          for value in (1.0, 10.0)))
         for part in ("Where accelerators fail", "What each method promises", "everywhere", "stability-leaks"):
             self.assertIn(part, page)
+
+
+    def test_the_readme_says_from_where_methods_fail_and_in_how_many_cases(self):
+        self.assertEqual(readme.stability_table(results_of(rays_row("bvh", "diffuse", 5.0))), "")
+        table = readme.stability_table(results_of(*(
+            stability_row(value, int(accel == "embree" and case == 9 and value > 1.0), case=case, accel=accel, **test)
+            for case in readme.STABILITY_CASES for value in (1.0, 10.0)
+            for accel, test in (("bvh", {"intersector": "watertight"}), ("embree", {})))))
+        self.assertIn("from 10", table)
+        self.assertIn("| 1 of 10 | 0 of 0 | 0 of 10 |", table)
 
 
 class Program(unittest.TestCase):
