@@ -26,11 +26,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitsMemory = false;  // the sanitizers' own memory would count
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+
 /// Within its life, the process can take no more than that much memory beyond what it has.
 class MemoryLimit {
  public:
   explicit MemoryLimit(rlim_t bytes) {
     getrlimit(RLIMIT_AS, &old_);
+    if (!kLimitsMemory) return;
     std::ifstream pages("/proc/self/statm");
     rlim_t used = 0;
     pages >> used;
