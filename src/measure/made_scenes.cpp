@@ -100,7 +100,7 @@ void add_quad(Scene& scene, const vec3& corner, const vec3& e1, const vec3& e2, 
 
 void add_box(Scene& scene, const vec3& lower, const vec3& upper, const Material& material) {
   TriangleMesh mesh = box_mesh(lower, upper);
-  for (std::uint32_t i = 0; i < 8; ++i) mesh.texcoords.push_back({(i & 1u) ? 1.0f : 0.0f, (i & 2u) ? 1.0f : 0.0f});
+  for (std::uint32_t i = 0; i < 8; ++i) mesh.texcoords.emplace_back((i & 1u) ? 1.0f : 0.0f, (i & 2u) ? 1.0f : 0.0f);
   add_mesh(scene, std::move(mesh), material);
 }
 
@@ -119,15 +119,15 @@ void add_smooth_sphere(Scene& scene, const vec3& center, float radius, int rings
       const vec3 n(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
       mesh.normals.push_back(n);
       mesh.positions.push_back(center + radius * n);
-      mesh.texcoords.push_back(
-          {static_cast<float>(k) / static_cast<float>(around), static_cast<float>(i) / static_cast<float>(rings)});
+      mesh.texcoords.emplace_back(static_cast<float>(k) / static_cast<float>(around),
+                                  static_cast<float>(i) / static_cast<float>(rings));
     }
   }
   const auto corner = [&](int i, int k) { return static_cast<std::uint32_t>(i * around + k % around); };
   for (int i = 0; i < rings; ++i) {
     for (int k = 0; k < around; ++k) {
-      if (i > 0) mesh.triangles.push_back({corner(i, k), corner(i + 1, k), corner(i, k + 1)});
-      if (i < rings - 1) mesh.triangles.push_back({corner(i, k + 1), corner(i + 1, k), corner(i + 1, k + 1)});
+      if (i > 0) mesh.triangles.emplace_back(corner(i, k), corner(i + 1, k), corner(i, k + 1));
+      if (i < rings - 1) mesh.triangles.emplace_back(corner(i, k + 1), corner(i + 1, k), corner(i + 1, k + 1));
     }
   }
   add_mesh(scene, std::move(mesh), material);

@@ -58,14 +58,14 @@ TriangleMesh icosphere(const vec3& center, float radius, int levels) {
 TriangleMesh box_mesh(const vec3& lower, const vec3& upper) {
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i < 8; ++i) {
-    mesh.positions.push_back(
-        {(i & 1u) ? upper.x : lower.x, (i & 2u) ? upper.y : lower.y, (i & 4u) ? upper.z : lower.z});
+    mesh.positions.emplace_back((i & 1u) ? upper.x : lower.x, (i & 2u) ? upper.y : lower.y,
+                                (i & 4u) ? upper.z : lower.z);
   }
   constexpr std::uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                           {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& f : kFaces) {
-    mesh.triangles.push_back({f[0], f[1], f[2]});
-    mesh.triangles.push_back({f[0], f[2], f[3]});
+    mesh.triangles.emplace_back(f[0], f[1], f[2]);
+    mesh.triangles.emplace_back(f[0], f[2], f[3]);
   }
   mesh.pad_positions();
   return mesh;

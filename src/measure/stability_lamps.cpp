@@ -85,7 +85,7 @@ StabilityTrial many_lamps(double number, std::size_t count, std::uint64_t seed) 
       const vec3 x = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5f ? vec3(1, 0, 0) : vec3(0, 0, 1)));
       const vec3 y = glm::cross(n, x);
       mesh.positions.insert(mesh.positions.end(), {n - size * x, n + size * x, n + size * y});
-      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+      mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
       irradiance += radiance * static_cast<double>(size) * static_cast<double>(size) * static_cast<double>(n.y);
     }
     mesh.pad_positions();

@@ -33,7 +33,8 @@ StabilityTrial height_field(double spacing, std::size_t count, std::uint64_t see
   TriangleMesh field;
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
     const auto height = static_cast<float>(uniform.below(5));
-    field.positions.push_back(s * vec3(static_cast<float>(i % kSide), height, static_cast<float>(i / kSide)));
+    const glm::uvec2 place(i % kSide, i / kSide);
+    field.positions.push_back(s * vec3(place.x, height, place.y));
   }
   for (std::uint32_t z = 0; z + 1 < kSide; ++z) {
     for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
@@ -80,8 +81,8 @@ TriangleMesh double_cone(std::uint32_t slivers, float radius) {
     const double angle = 2.0 * 3.14159265358979323846 * i / slivers;
     mesh.positions.push_back(radius * vec3(dvec3(std::cos(angle), 0.0, std::sin(angle))));
     const std::uint32_t here = 2 + i, next = 2 + (i + 1) % slivers;
-    mesh.triangles.push_back({0, next, here});
-    mesh.triangles.push_back({1, here, next});
+    mesh.triangles.emplace_back(0u, next, here);
+    mesh.triangles.emplace_back(1u, here, next);
   }
   mesh.pad_positions();
   return mesh;

@@ -99,7 +99,7 @@ StabilityTrial mixed_magnitudes(double exponent, std::size_t count, std::uint64_
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i < 100; ++i) {
     mesh.positions.insert(mesh.positions.end(), {point(), point(), point()});
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   mesh.pad_positions();
   auto geometry = std::make_shared<const Geometry>(Geometry{{std::move(mesh)}, {}});

@@ -93,7 +93,7 @@ StabilityTrial powers_of_two(double links, std::size_t count, std::uint64_t seed
   const auto number = static_cast<std::uint32_t>(links);
   for (std::uint32_t i = 0; i < number; ++i) {
     for (const vec3& corner : corners) chain.positions.push_back(std::ldexp(1.0f, -static_cast<int>(i)) * corner);
-    chain.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    chain.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   chain.pad_positions();
   std::vector<Ray> rays;

@@ -62,7 +62,7 @@ StabilityTrial skinny(double aspect, std::size_t count, std::uint64_t seed) {
   for (std::uint32_t i = 0; i < 32; ++i) {
     const vec3 p = uniform.in_box(vec3(-0.1f), vec3(0.1f));
     mesh.positions.insert(mesh.positions.end(), {p - vec3(1, 0, 0), p + vec3(1, 0, 0), p + vec3(0.3f, width, width)});
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   mesh.pad_positions();
   std::vector<Ray> rays;
@@ -86,7 +86,7 @@ StabilityTrial pushed_off(double distance, std::size_t count, std::uint64_t seed
     const vec3 corner = 3.0f * size * uniform.in_box(vec3(-1.0f), vec3(1.0f));
     const auto edge = [&] { return size * uniform.in_box(vec3(-1.0f), vec3(1.0f)); };
     mesh.positions.insert(mesh.positions.end(), {corner, corner + edge(), corner + edge()});
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   mesh.pad_positions();
   std::vector<Ray> rays;
@@ -114,7 +114,7 @@ StabilityTrial telephoto(double distance, std::size_t count, std::uint64_t seed)
     for (std::uint32_t i = 0; i < kCorners; ++i) {
       const float angle = 2.0f * kPi * static_cast<float>(i) / kCorners;
       mesh.positions.push_back(center + 0.05f * vec3(std::cos(angle), std::sin(angle), 0.0f));
-      mesh.triangles.push_back({middle, middle + 1 + i, middle + 1 + (i + 1) % kCorners});
+      mesh.triangles.emplace_back(middle, middle + 1 + i, middle + 1 + (i + 1) % kCorners);
     }
   }
   mesh.pad_positions();
