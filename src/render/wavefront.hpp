@@ -154,7 +154,7 @@ class Wavefront {
     const WideMask hit = valid & !missed;
     if (!any(hit)) return;
 
-    const PointLanes<Wide> point = surface_points(first, hits, path);
+    const PointLanes<Wide> point = surface_points(hit, first, hits, path);
     const WideVec3 color = surface_colors(column, hits, point);
     const WideMask lights = hit & material.is(Material::Kind::diffuse_light);
     if (any(lights)) emitters(lights, first, hits, column(kLightPdfColumn), point, path, color);
@@ -184,15 +184,19 @@ class Wavefront {
     }
   };
 
-  PointLanes<Wide> surface_points(std::size_t first, const HitLanes& hits, const PathState<Wide>& path) const {
-    PointLanes<Wide> point;
+  PointLanes<Wide> surface_points(WideMask hit, std::size_t first, const HitLanes& hits,
+                                  const PathState<Wide>& path) const {
+    PointLanes<Wide> point{};
     const auto& c = surfaces_.corner;
-    const WideVec3 p0 = load3(c[0], c[1], c[2]), p1 = load3(c[3], c[4], c[5]), p2 = load3(c[6], c[7], c[8]);
+    const WideVec3 p0 = load3(c[0], c[1], c[2]);
     const Wide t = Wide::load(hit_t_ + first);
-    place_on_triangle<Wide>(p0, p1, p2, Wide::load(hits.u), Wide::load(hits.v), point);
-    place_on_ray<Wide>(p0, p1, p2, path.origin, path.direction, t, point);
-    if (surfaces_.spheres != 0) {
-      const WideMask spheres = WideMask::of(surfaces_.spheres);
+    const WideMask spheres = WideMask::of(surfaces_.spheres), triangles = hit & !spheres;
+    if (any(triangles)) {
+      const WideVec3 p1 = load3(c[3], c[4], c[5]), p2 = load3(c[6], c[7], c[8]);
+      place_on_triangle<Wide>(triangles, p0, p1, p2, Wide::load(hits.u), Wide::load(hits.v), point);
+      place_on_ray<Wide>(triangles, p0, p1, p2, path.origin, path.direction, t, point);
+    }
+    if (any(spheres)) {
       PointLanes<Wide> on_sphere;
       place_on_sphere<Wide>(p0, Wide::load(c[3]), path.origin, path.direction, t, on_sphere);
       point.position = select<Wide>(spheres, on_sphere.position, point.position);

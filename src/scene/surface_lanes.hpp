@@ -24,10 +24,11 @@ struct PointLanes {
 ///    plane as dot(p0 - o, e1 x e2) errs by a few roundings of |extent| |e1| |e2|, which for a needle is far more
 ///    than its |e1 x e2|; gamma(4) of them, as gamma(1) is not seen to fail;
 ///  - 2^-40 of the extent, so that a query that decides in double still sees the point off the plane.
-/// In the planes x = 0, y = 0 and z = 0 the first two vanish, as do the errors they bound.
+/// In the planes x = 0, y = 0 and z = 0 the first two vanish, as do the errors they bound. Of lanes other than those
+/// given nothing is to be read: what stands in them takes no branch.
 template <class F>
-void place_on_triangle(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, const F& u, const F& v,
-                       PointLanes<F>& point) {
+void place_on_triangle(const MaskOf<F>& lanes, const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, const F& u,
+                       const F& v, PointLanes<F>& point) {
   const Vec3<F> e1 = p1 - p0;
   const Vec3<F> e2 = p2 - p0;
   point.position = p0 + (e1 * u + e2 * v);
@@ -43,7 +44,7 @@ void place_on_triangle(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, 
   Vec3<F> cancellation = products * inv_length;
   const MaskOf<F> in_float =
       (length2 > F(0x1p-100f)) & (length2 < F(0x1p120f)) & (max_component(cancellation) < F(0x1p12f));
-  if (any(!in_float)) [[unlikely]] {
+  if (any(lanes & !in_float)) [[unlikely]] {
     using D = DoubleOf<F>;
     const Vec3<D> d1 = Vec3<D>(p1) - Vec3<D>(p0), d2 = Vec3<D>(p2) - Vec3<D>(p0);
     const Vec3<D> normal = cross(d1, d2);
@@ -67,10 +68,10 @@ void place_on_triangle(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, 
 /// Moves a point of a triangle far larger than the point's distance from the origin, whose weights u and v then say too
 /// little of where it is, onto the ray that has met it: the ray is followed to the triangle's plane, in double.
 template <class F>
-void place_on_ray(const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2, const Vec3<F>& origin,
-                  const Vec3<F>& direction, const F& t, PointLanes<F>& point) {
+void place_on_ray(const MaskOf<F>& lanes, const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2,
+                  const Vec3<F>& origin, const Vec3<F>& direction, const F& t, PointLanes<F>& point) {
   const F size = max_component(abs(p1 - p0) + abs(p2 - p0));
-  const MaskOf<F> outsized = size > F(1024.0f) * max_component(abs(point.position));
+  const MaskOf<F> outsized = lanes & (size > F(1024.0f) * max_component(abs(point.position)));
   if (!any(outsized)) [[likely]]
     return;
   using D = DoubleOf<F>;

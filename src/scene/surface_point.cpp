@@ -16,7 +16,7 @@ SurfacePoint as_surface_point(const PointLanes<float>& p) { return {p.position, 
 
 SurfacePoint point_on_triangle(const Triangle& t, float u, float v) {
   PointLanes<float> p;
-  place_on_triangle<float>(t.p0, t.p1, t.p2, u, v, p);
+  place_on_triangle<float>(true, t.p0, t.p1, t.p2, u, v, p);
   return as_surface_point(p);
 }
 
@@ -40,8 +40,8 @@ SurfacePoint surface_point(const Geometry& geometry, const Ray& ray, const Hit& 
   const TriangleMesh& mesh = geometry.meshes[hit.geometry];
   const Triangle corners = triangle_corners(mesh, hit.primitive);
   PointLanes<float> p;
-  place_on_triangle<float>(corners.p0, corners.p1, corners.p2, hit.u, hit.v, p);
-  place_on_ray<float>(corners.p0, corners.p1, corners.p2, ray.origin, ray.direction, hit.t, p);
+  place_on_triangle<float>(true, corners.p0, corners.p1, corners.p2, hit.u, hit.v, p);
+  place_on_ray<float>(true, corners.p0, corners.p1, corners.p2, ray.origin, ray.direction, hit.t, p);
   SurfacePoint point = as_surface_point(p);
   if (!mesh.normals.empty()) {
     point.ns = shading_normal<float>(interpolated_normal(mesh, hit.primitive, hit.u, hit.v), point.ng);
