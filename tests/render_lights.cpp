@@ -193,6 +193,35 @@ TEST_CASE("a sphere light gives what its form factor says, however near it is", 
   }
 }
 
+TEST_CASE("no lamp shadows itself, however small and far away it is", "[stability][lights]") {
+  for (const char* name : {"bvh", "list", "embree", "embree-robust", "exact"}) {
+    for (const float size : {1e-3f, 1.0f}) {
+      int sampled = 0, shadowed = 0;
+      for (std::uint64_t i = 0; i < 300; ++i) {
+        const auto point = [&](std::uint64_t k) {
+          const Draw a = random_draw(100 * i + 2 * k), b = random_draw(100 * i + 2 * k + 1);
+          return vec3(a.u.x, a.u.y, b.u.x) * 2.0f - 1.0f;
+        };
+        Scene scene;
+        add_triangle(scene, {size * point(0), size * point(1), size * point(2)}, light(grey(1.0f)));
+        const Lights lights(scene, scene_needs(scene));
+        const auto accelerator = make_accelerator(name, scene.geometry);
+        for (std::uint64_t k = 3; k < 30; ++k) {
+          const vec3 p = 2.0f * point(k);
+          const Draw draw = random_draw(100 * i + 90 + k % 10);
+          const LightSample s = lights.sample(p, draw.select, draw.u);
+          if (!(s.pdf > 0.0f)) continue;
+          ++sampled;
+          shadowed += accelerator->occluded({p, s.position - p, 0.0f, s.end});
+        }
+      }
+      INFO(name << ", size " << size);
+      CHECK(sampled > 7000);
+      CHECK(shadowed == 0);
+    }
+  }
+}
+
 TEST_CASE("a light whose colour varies is chosen with the density it is met with", "[statistical][lights]") {
   Scene scene;
   const auto texel = [](int x, int y) { return Rgb(x == 1 ? 4.0f : 0.5f, 1.0f + y, 0.2f); };

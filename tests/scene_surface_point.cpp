@@ -326,6 +326,26 @@ TEST_CASE("normals of spheres are finite where the point is the centre, and righ
   }
 }
 
+TEST_CASE("slivers and huge triangles have the normals of their corners", "[stability][offset]") {
+  const FlushDenormals flush;
+  Random random(13);
+  double worst = 0.0;
+  for (int k = 0; k < 20'000; ++k) {
+    const vec3 p0 = random.cube(), p1 = random.cube();
+    const float along = random.unit(), width = std::pow(10.0f, -2.0f - 4.0f * random.unit());
+    const float scale = k % 2 == 0 ? 1.0f : std::pow(10.0f, 10.0f + 7.0f * random.unit());
+    const vec3 p2 = (1.0f - along) * p0 + along * p1 + width * random.cube();
+    const Triangle t{scale * p0, scale * p1, scale * p2};
+    const dvec3 n = glm::cross(dvec3(t.p1) - dvec3(t.p0), dvec3(t.p2) - dvec3(t.p0));
+    const SurfacePoint point = point_on_triangle(t, 0.25f, 0.5f);
+    REQUIRE(is_finite(point.ng));
+    REQUIRE(point.offset < kInfinity);
+    worst = std::max(worst, glm::length(dvec3(point.ng) - glm::normalize(n)));
+  }
+  // Up to 2^12 of cancellation float decides.
+  CHECK(worst < 2e-3);
+}
+
 TEST_CASE("triangles of a few units in the last place have unit normals, and rays leave them", "[stability][offset]") {
   const FlushDenormals flush;
   Random random(10);

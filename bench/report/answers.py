@@ -202,6 +202,6 @@ def html(results):
         f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false "
         "misses, false hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. "
         "Marked: the best of a column, and those that are as good: speeds and seconds within a tenth of it (or a "
-        "millisecond), which is what two runs differ by on a shared machine, and counts that Fisher's exact test with Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the "
-        "renderer sends them.")
+        "millisecond), which is what two runs differ by on a shared machine, and counts that Fisher's exact test with "
+        "Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the renderer sends them.")
     return "\n".join([*parts[:1], f'<p class="notes">{reading}</p>', *parts[1:]])
