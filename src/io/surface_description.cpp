@@ -1,0 +1,63 @@
+#include "surface_description.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "message_text.hpp"
+
+namespace raylab {
+namespace {
+
+bool is_solid(const Texture& texture, const Rgb& color) {
+  return texture.kind == Texture::Kind::solid && texture.a == color;
+}
+
+}  // namespace
+
+float fuzz_of_roughness(float roughness) {
+  // Half of the normals of GGX with width a lie within tan = a of its axis (Walter et al. 2007, equation 35 at 1/2), and
+  // the mirror direction turns by twice the angle. Half of the directions r + f s, s uniform on the unit sphere, lie
+  // within sin = f sin 60° of r where f is small: of each circle around r the one at 60° and its mirror image part half.
+  const double width = static_cast<double>(roughness) * static_cast<double>(roughness);
+  const double angle = 2.0 * std::atan(width);
+  constexpr double kSineOf60Degrees = 0.86602540378443865;
+  const double sine = angle < 1.5707963267948966 ? std::sin(angle) : 1.0;
+  return static_cast<float>(std::min(1.0, sine / kSineOf60Degrees));
+}
+
+Material nearest_material(const SurfaceDescription& surface, std::vector<std::string>& left_out) {
+  const bool emits = !is_solid(surface.emission, Rgb(0.0f));
+  const auto part = [&](const char* what, float value) {
+    left_out.push_back(std::string(what) + " (" + number_text(value) + ")");
+  };
+  Material material;
+  material.name = surface.name;
+  if (emits) {
+    material.kind = Material::Kind::diffuse_light;
+    material.color = surface.emission;
+    if (!is_solid(surface.base_color, Rgb(0.0f))) left_out.emplace_back("what it reflects");
+    return material;
+  }
+  if (surface.metallic >= 0.5f) {
+    material.kind = Material::Kind::metal;
+    material.color = surface.base_color;
+    material.fuzz = fuzz_of_roughness(surface.roughness);
+    if (surface.metallic < 1.0f) part("its part that is no metal", 1.0f - surface.metallic);
+    return material;
+  }
+  if (surface.transmission >= 0.5f) {
+    material.kind = Material::Kind::dielectric;
+    material.index = surface.index;
+    if (!is_solid(surface.base_color, Rgb(1.0f))) left_out.emplace_back("its tint");
+    if (surface.roughness > 0.0f) part("its roughness", surface.roughness);
+    if (surface.transmission < 1.0f) part("its part that is not clear", 1.0f - surface.transmission);
+    return material;
+  }
+  material.color = surface.base_color;
+  if (surface.metallic > 0.0f) part("its metallic part", surface.metallic);
+  if (surface.transmission > 0.0f) part("its transmission", surface.transmission);
+  if (surface.roughness < 1.0f) part("its gloss: roughness", surface.roughness);
+  return material;
+}
+
+}  // namespace raylab
