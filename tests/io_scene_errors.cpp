@@ -62,7 +62,9 @@ TEST_CASE("an unknown key is refused with the nearest known one", "[unit]") {
   InputFolder folder;
   expect_all(folder, {{"[camrea]\nvfov = 3\n", "1:2", {"unknown key \"camrea\"", "\"camera\""}},
                       {"[camera]\nvfvo = 3\n", "2:1", {"unknown key \"vfvo\" in camera", "\"vfov\""}},
-                      {"[render]\n\n  spp = 3\n", "3:3", {"unknown key \"spp\" in render"}},
+                      {"[render]\n\n  spp = 3\n",
+                       "3:3",
+                       {"unknown key \"spp\" in render: known keys are \"width\"", "\"samples_per_pixel\""}},
                       {"[background]\ncolour = [0, 0, 0]\n", "2:1", {"\"colour\"", "\"color\""}},
                       {kWhite + "material.white.albdeo = 1\n" + kBall, "2:16", {"material.white", "\"albedo\""}},
                       {kWhite + kBall + "colour = 3\n", "6:1", {"\"colour\" in sphere.0"}},
@@ -71,7 +73,9 @@ TEST_CASE("an unknown key is refused with the nearest known one", "[unit]") {
 
 TEST_CASE("a key that has no effect with the type of material is unknown", "[unit]") {
   InputFolder folder;
-  expect_all(folder, {{kWhite + "material.white.fuzz = 0.5\n" + kBall, "2:16", {"unknown key \"fuzz\""}},
+  expect_all(folder, {{kWhite + "material.white.fuzz = 0.5\n" + kBall,
+                       "2:16",
+                       {"unknown key \"fuzz\"", "which is lambertian", "a key of metal"}},
                       {"[material.white]\ntype = \"dielectric\"\nalbedo = [1, 1, 1]\n" + kBall, "3:1", {"albedo"}}});
 }
 
@@ -156,7 +160,7 @@ TEST_CASE("required keys that are missing are named at their table", "[unit]") {
   expect_all(folder, {{"[material.white]\nalbedo = [0, 0, 0]\n" + kBall, "1:1", {"material.white", "\"type\""}},
                       {kWhite + "[[sphere]]\nradius = 1\nmaterial = \"white\"\n", "2:1", {"sphere.0", "\"center\""}},
                       {kWhite + "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n", "2:1", {"sphere.0", "\"material\""}},
-                      {"[[mesh]]\nscale = 2\n", "1:1", {"mesh.0", "\"obj\""}}});
+                      {"[[mesh]]\nscale = 2\n", "1:1", {"mesh.0", "\"file\""}}});
 }
 
 TEST_CASE("a material that is unknown, unused or of an unknown type is refused by name", "[unit]") {

@@ -48,7 +48,9 @@ Preview::Preview(const PreviewCommand& command, const LoadedScene& loaded)
     : command_(command),
       scene_(loaded.scene),
       options_(preview_render_options(command, loaded)),
-      camera_file_(command.scene),
+      camera_file_(loaded.made_for_model
+                       ? CameraFile(std::filesystem::path(command.scene).replace_extension(".toml"), loaded.text)
+                       : CameraFile(command.scene)),
       shelf_(scene_.geometry, accelerator_options(command)),
       explorer_(scene_, loaded.camera, camera_file_, shelf_, accelerator_names(), command.accel),
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),

@@ -18,7 +18,7 @@ int preview(const PreviewCommand& command) {
   if (!command.screenshot.empty()) check_writable_image(command.screenshot);
   const WindowSystem windows;  // first: where there is no display, the scene need not be loaded
   const ThreadLimit limit(command.threads);
-  const LoadedScene loaded = load_scene(command.scene, {command.overrides, false});
+  const LoadedScene loaded = load_scene(command.scene, command.load_options());
   for (const std::string& warning : loaded.warnings)
     std::fprintf(stderr, "raylab-preview: warning: %s\n", warning.c_str());
   Preview(command, loaded).run();

@@ -20,7 +20,7 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
   app.name("raylab-preview");
   app.set_version_flag("--version", std::string("raylab-preview ") + RAYLAB_VERSION);
   app.footer("Keys:\n" + key_help_text());
-  app.add_option("scene", command.scene, "Scene file (TOML)")->required();
+  app.add_option("scene", command.scene, "Scene file (TOML), or a model (OBJ, PLY, STL or glTF)")->required();
   add_picture_options(app, command);
   app.add_option("--view", command.view, "View to start with: raster or traced")
       ->check(CLI::IsMember({"raster", "traced"}))

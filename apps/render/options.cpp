@@ -43,16 +43,28 @@ void add_picture_options(CLI::App& app, PictureCommand& command) {
       ->capture_default_str();
   app.add_option("--set", command.overrides, "KEY=VALUE for any key of the scene file; repeatable")
       ->allow_extra_args(false);
+  app.add_option("--up", command.up,
+                 "Of a model: the file's axis that points up, x, y or z (default: z for STL, else y)")
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  app.add_flag("--ground", command.ground, "Of a model: put a ground under it");
+}
+
+LoadOptions PictureCommand::load_options() const {
+  LoadOptions options;
+  options.overrides = overrides;
+  if (!up.empty()) options.model.up = up.front();
+  options.model.ground = ground;
+  return options;
 }
 
 std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code) {
   RenderCommand command;
   command.command_line = command_line("raylab-render", argc, argv);
 
-  CLI::App app{"Renders a scene file to EXR or PNG pictures."};
+  CLI::App app{"Renders a scene file, or a model as it is, to EXR or PNG pictures."};
   app.name("raylab-render");
   app.set_version_flag("--version", std::string("raylab-render ") + RAYLAB_VERSION);
-  app.add_option("scene", command.scene, "Scene file (TOML)");
+  app.add_option("scene", command.scene, "Scene file (TOML), or a model (OBJ, PLY, STL or glTF)");
   app.add_option("-o,--output", command.outputs,
                  "Picture to write, .exr or .png; repeatable (default: the scene's name with .exr)")
       ->allow_extra_args(false);
@@ -80,6 +92,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
       ->allow_extra_args(false)
       ->check(CLI::IsMember(kLayers));
   app.add_option("--stats", command.stats_file, "Write what was measured to this JSON file");
+  app.add_option("--write-scene", command.write_scene, "Of a model: write the scene made for it to this file (TOML)");
   const std::map<std::string, ProgressKind> progress_names{{"auto", ProgressKind::automatic},
                                                            {"lines", ProgressKind::lines},
                                                            {"json", ProgressKind::json},

@@ -26,6 +26,11 @@ struct PictureCommand {
   std::uint32_t seed = 0;
   int threads = 0;
   std::vector<std::string> overrides;
+  std::string up;       ///< of a model: the axis that points up; empty: by its format
+  bool ground = false;  ///< of a model
+
+  /// How the scene is loaded. Throws Error (usage).
+  LoadOptions load_options() const;
 };
 
 /// Adds the options of all that but the scene.
@@ -46,6 +51,7 @@ struct RenderCommand : PictureCommand {
   std::string crop;
   std::vector<std::string> layers;
   std::string stats_file;
+  std::string write_scene;
   ProgressKind progress = ProgressKind::automatic;
   bool check = false;
   bool list_accels = false;

@@ -81,6 +81,16 @@ Attributes make_attributes(const RenderReport& r) {
           {"raylab.partial", r.partial ? "true" : "false"}};
 }
 
+/// A file that is there may hold work, and is left alone.
+void write_made_scene(const LoadedScene& loaded, const std::filesystem::path& file) {
+  if (std::filesystem::exists(file)) {
+    throw Error(ErrorKind::output, file.string(), "is there already, so the scene was not written over it");
+  }
+  AtomicFile out(file);
+  out.stream() << loaded.text;
+  out.commit();
+}
+
 int render(const RenderCommand& command) {
   if (command.list_accels) {
     list_accelerators();
@@ -88,7 +98,9 @@ int render(const RenderCommand& command) {
   }
   std::vector<std::filesystem::path> outputs(command.outputs.begin(), command.outputs.end());
   if (outputs.empty()) {
-    outputs.push_back(std::filesystem::path(command.scene).filename().replace_extension(".exr"));
+    // A model is looked at before it is worked on, and every viewer shows PNG.
+    const char* ending = is_model_file(command.scene) ? ".png" : ".exr";
+    outputs.push_back(std::filesystem::path(command.scene).filename().replace_extension(ending));
   }
   // Known before the work starts, and not after: names of options, and files that cannot be written.
   (void)parse_integrator(command.integrator);
@@ -104,8 +116,15 @@ int render(const RenderCommand& command) {
 
   const ThreadLimit limit(command.threads);
   const Stopwatch load_watch;
-  const LoadedScene loaded = load_scene(command.scene, {command.overrides, command.needs == "all"});
+  LoadOptions load_options = command.load_options();
+  load_options.keep_unneeded = command.needs == "all";
+  if (!command.write_scene.empty()) {
+    const std::filesystem::path folder = std::filesystem::path(command.write_scene).parent_path();
+    load_options.model.folder = folder.empty() ? "." : folder;
+  }
+  const LoadedScene loaded = load_scene(command.scene, load_options);
   const double load_seconds = load_watch.seconds();
+  if (!command.write_scene.empty()) write_made_scene(loaded, command.write_scene);
   for (const std::string& warning : loaded.warnings) {
     if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
   }
@@ -152,6 +171,9 @@ int render(const RenderCommand& command) {
   }
   if (!command.quiet) {
     std::fputs(report_text(report).c_str(), stdout);
+    if (loaded.made_for_model && command.write_scene.empty()) {
+      std::printf("scene      made for the model; --write-scene FILE.toml keeps it, to go on from there\n");
+    }
     for (const auto& file : outputs) {
       std::printf("wrote      %s%s\n", file.c_str(), partial ? " (partial: interrupted)" : "");
     }

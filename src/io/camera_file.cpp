@@ -161,17 +161,20 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
 CameraFile::CameraFile(std::filesystem::path file) : file_(std::move(file)), text_(read_file(file_)) {}
 
 bool CameraFile::write(const CameraSettings& camera) {
-  std::string now = read_file(file_);
-  if (now != text_) {
+  if (new_ && std::filesystem::exists(file_)) {
+    throw Error(ErrorKind::output, file_.string(), "is there already, so it was left alone");
+  }
+  if (std::string now = new_ ? text_ : read_file(file_); now != text_) {
     text_ = std::move(now);
     throw Error(ErrorKind::output, file_.string(), "changed since it was read, so it was left alone");
   }
   std::string next = with_camera(text_, file_.string(), camera);
-  if (next == text_) return false;
+  if (next == text_ && !new_) return false;
   AtomicFile out(file_);
   out.stream() << next;
   out.commit();
   text_ = std::move(next);
+  new_ = false;
   return true;
 }
 

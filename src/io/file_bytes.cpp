@@ -40,6 +40,17 @@ std::string read_file(const std::filesystem::path& file) {
   return bytes;
 }
 
+std::string file_start(const std::filesystem::path& file, std::size_t count, std::uintmax_t& size) {
+  std::ifstream in = open_file(file);
+  std::error_code no_size;
+  size = std::filesystem::file_size(file, no_size);
+  std::string bytes(count, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) unreadable(file);
+  return bytes;
+}
+
 bool is_file(const std::filesystem::path& file) noexcept {
   std::error_code no_access;
   return std::filesystem::is_regular_file(file, no_access);

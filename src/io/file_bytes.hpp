@@ -9,6 +9,9 @@ namespace raylab {
 /// The whole file. Throws Error (input) naming the file and the reason.
 std::string read_file(const std::filesystem::path& file);
 
+/// At most `count` bytes from the start of the file, and how large all of it is. Throws Error (input).
+std::string file_start(const std::filesystem::path& file, std::size_t count, std::uintmax_t& size);
+
 /// Whether there is a file, or a link to one, that is neither a folder nor a device.
 bool is_file(const std::filesystem::path& file) noexcept;
 

@@ -1,5 +1,6 @@
 #include "message_text.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include "raylab/core/text.hpp"
@@ -43,7 +44,17 @@ std::string in_quotes(std::string_view text) {
 std::string nearest_hint(std::string_view name, std::span<const std::string> candidates, std::string_view kind) {
   const std::string nearest = nearest_name(name, candidates);
   if (nearest.empty()) return {};
-  return ": the nearest known " + std::string(kind) + " is " + in_quotes(nearest);
+  // Of long names the start decides, as in nearest_name().
+  const std::string_view a = name.substr(0, 64), b = std::string_view(nearest).substr(0, 64);
+  if (2 * edit_distance(a, b) <= std::max(a.size(), b.size())) {
+    return ": the nearest known " + std::string(kind) + " is " + in_quotes(nearest);
+  }
+  constexpr std::size_t most_listed = 24;
+  std::string list;
+  for (const std::string& candidate : candidates.first(std::min(candidates.size(), most_listed))) {
+    list += (list.empty() ? "" : ", ") + in_quotes(candidate);
+  }
+  return ": known " + std::string(kind) + "s are " + list + (candidates.size() > most_listed ? ", ..." : "");
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -21,7 +21,8 @@ std::string on_one_line(std::string_view text);
 /// In double quotes, on one line; long texts are cut.
 std::string in_quotes(std::string_view text);
 
-/// `: the nearest known KIND is "NAME"`, or nothing when there are no candidates.
+/// `: the nearest known KIND is "NAME"`, or where none is near `: known KINDs are "A", "B"`; nothing when there are no
+/// candidates.
 std::string nearest_hint(std::string_view name, std::span<const std::string> candidates, std::string_view kind);
 
 /// Without the spaces, tabs and line ends around it.

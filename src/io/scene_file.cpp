@@ -1,8 +1,10 @@
 #include "raylab/io/scene_file.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "file_bytes.hpp"
+#include "model_scene.hpp"
 #include "overrides.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/scene/needs.hpp"
@@ -13,9 +15,8 @@ namespace raylab {
 namespace {
 
 /// Everything is checked before the first mesh is loaded, as that may take long.
-void read_scene(const TomlValue& root, const std::filesystem::path& file, MaterialLibrary& library,
-                LoadedScene& loaded) {
-  const std::filesystem::path folder = file.parent_path();
+void read_scene(const TomlValue& root, const std::filesystem::path& file, const std::filesystem::path& folder,
+                MaterialLibrary& library, MeshFiles& models, LoadedScene& loaded) {
   TableReader reader(root, "");
   const TomlValue* camera = reader.find("camera");
   const TomlValue* render = reader.find("render");
@@ -32,9 +33,9 @@ void read_scene(const TomlValue& root, const std::filesystem::path& file, Materi
   scene.environment = read_background(background, folder, library.files);
   SceneMaterials materials(material, folder, library);
   read_spheres(sphere_tables, materials, scene);
-  const std::vector<MeshEntry> meshes = read_meshes(mesh_tables, materials);
+  const std::vector<MeshEntry> meshes = read_meshes(mesh_tables, folder, materials, models);
   materials.check_all_used();
-  for (const MeshEntry& entry : meshes) load_mesh(entry, folder, library, scene);
+  for (const MeshEntry& entry : meshes) load_mesh(entry, models, scene);
   if (meshes.empty() && scene.geometry.spheres.empty()) {
     library.warnings.push_back(file.string() + ": no mesh and no sphere: only the background can be seen");
   }
@@ -50,17 +51,44 @@ std::uint64_t content_hash(const std::string& text, const std::vector<std::strin
   return hash.value();
 }
 
+/// What is no file, a pipe for one, can be read but once: it is a scene.
+FileKind kind_of(const std::filesystem::path& file) { return is_file(file) ? model_kind(file, true) : FileKind::scene; }
+
+std::string made_scene(const std::filesystem::path& file, FileKind kind, const std::filesystem::path& folder,
+                       const MaterialLibrary& library, MeshFiles& models, const ModelOptions& options) {
+  const MeshWithMaterials& model = models.read(file, kind, false);
+  const bool has_light = std::any_of(library.materials.begin(), library.materials.end(),
+                                     [](const Material& m) { return m.kind == Material::Kind::diffuse_light; });
+  const std::filesystem::path name = std::filesystem::proximate(file, folder.empty() ? "." : folder);
+  return model_scene_text(model, has_light, kind, name.generic_string(), options);
+}
+
 }  // namespace
 
+bool is_model_file(const std::filesystem::path& file) { return kind_of(file) != FileKind::scene; }
+
 LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& options) {
-  const std::string text = read_file(file);
-  TomlValue root = parse_toml(text, file.string());
+  MaterialLibrary library;
+  MeshFiles models(library);
+  LoadedScene loaded;
+  std::filesystem::path folder = file.parent_path();
+  const FileKind kind = kind_of(file);
+  loaded.made_for_model = kind != FileKind::scene;
+  if (loaded.made_for_model) {
+    if (!options.model.folder.empty()) folder = options.model.folder;
+    loaded.text = made_scene(file, kind, folder, library, models, options.model);
+  } else {
+    const ModelOptions& model = options.model;
+    if (model.up != '\0' || model.ground || !model.folder.empty()) {
+      throw Error(ErrorKind::usage, file.string(), "is a scene: --up, --ground and --write-scene are for models");
+    }
+    loaded.text = read_file(file);
+  }
+  TomlValue root = parse_toml(loaded.text, file.string());
   for (const std::string& assignment : options.overrides) apply_override(root, assignment);
 
-  MaterialLibrary library;
-  LoadedScene loaded;
-  read_scene(root, file, library, loaded);
-  loaded.hash = content_hash(text, options.overrides, library);
+  read_scene(root, file, folder, library, models, loaded);
+  loaded.hash = content_hash(loaded.text, options.overrides, library);
   loaded.scene.materials = std::move(library.materials);
   loaded.scene.textures = library.textures.take_images();
   loaded.warnings = std::move(library.warnings);

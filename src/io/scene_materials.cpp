@@ -1,5 +1,6 @@
 // [material.NAME].
 #include <algorithm>
+#include <initializer_list>
 
 #include "file_bytes.hpp"
 #include "message_text.hpp"
@@ -80,11 +81,27 @@ Material::Kind kind_of(const TomlValue& type, const std::string& path) {
   return static_cast<Material::Kind>(found - names.begin());
 }
 
+/// A key that another kind of material has gets a message that says so.
+void check_key(const TomlValue& table, Material::Kind kind, const char* key, std::initializer_list<Material::Kind> of) {
+  const TomlValue* value = table.find(key);
+  if (value == nullptr || std::find(of.begin(), of.end(), kind) != of.end()) return;
+  std::string names;
+  for (const Material::Kind k : of)
+    names += (names.empty() ? "" : " and ") + std::string(kMaterialKindNames[static_cast<std::size_t>(k)]);
+  value->fail_at_key("unknown key " + in_quotes(key) + " in material." + table.key + ", which is " +
+                     kMaterialKindNames[static_cast<std::size_t>(kind)] + ": it is a key of " + names);
+}
+
 Material read_material(const TomlValue& table, const ColorReader& colors) {
   TableReader reader(table, "material." + table.key);
   Material material;
   material.name = table.key;
   material.kind = kind_of(reader.require("type"), reader.path_of("type"));
+  using enum Material::Kind;
+  check_key(table, material.kind, "albedo", {lambertian, metal});
+  check_key(table, material.kind, "fuzz", {metal});
+  check_key(table, material.kind, "index", {dielectric});
+  check_key(table, material.kind, "radiance", {diffuse_light});
   const auto color = [&](const std::string& key, const Numbers& range, const Rgb& otherwise) {
     const TomlValue* value = reader.find(key);
     material.color =

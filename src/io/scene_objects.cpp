@@ -1,28 +1,25 @@
 // [[sphere]] and [[mesh]].
-#include "core/angle.hpp"
 #include "file_bytes.hpp"
-#include "obj_reader.hpp"
 #include "scene_sections.hpp"
 #include "toml_reader.hpp"
 
 namespace raylab {
 namespace {
 
-void place_mesh(TriangleMesh& mesh, const MeshEntry& entry) {
-  if (entry.scale == 1.0f && entry.rotate_y == 0.0f && entry.translate == vec3(0.0f)) return;
-  const SineCosine turn = sine_cosine_of_degrees(static_cast<double>(entry.rotate_y));
-  const auto rotated = [&](const dvec3& v) {
-    return dvec3(turn.cosine * v.x + turn.sine * v.z, v.y, turn.cosine * v.z - turn.sine * v.x);
-  };
-  for (vec3& p : mesh.positions) {
-    // In double, and rounded once.
-    p = vec3(rotated(dvec3(p) * double{entry.scale}) + dvec3(entry.translate));
-    if (!is_finite(p)) {
-      entry.table->fail_here("mesh " + entry.name + ": a vertex is too far away once scaled and moved");
-    }
+/// The model that a [[mesh]] names by `file`, or by `obj`, which takes OBJ alone.
+void read_model(TableReader& reader, const std::filesystem::path& folder, MeshEntry& entry, FileKind& kind) {
+  const TomlValue* obj = reader.find("obj");
+  const TomlValue* file = reader.find("file");
+  if (obj != nullptr && file != nullptr) obj->fail_here(reader.path_of("obj") + ": expected only one of file, obj");
+  const TomlValue& named = obj != nullptr ? *obj : reader.require("file");
+  const std::string path = reader.path_of(obj != nullptr ? "obj" : "file");
+  entry.name = string_of(named, path);
+  entry.file = folder / entry.name;
+  if (!is_file(entry.file)) named.fail(path, "an existing file");
+  kind = model_kind(entry.file, false);
+  if (obj != nullptr && kind != FileKind::obj) {
+    named.fail_here(path + ": found " + content_of(entry.file).words + ", which is named by file and not by obj");
   }
-  if (entry.rotate_y == 0.0f) return;
-  for (vec3& n : mesh.normals) n = vec3(glm::normalize(rotated(dvec3(n))));
 }
 
 }  // namespace
@@ -43,39 +40,36 @@ void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, 
   }
 }
 
-std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMaterials& materials) {
+std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std::filesystem::path& folder,
+                                   SceneMaterials& materials, MeshFiles& files) {
   std::vector<MeshEntry> entries;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     TableReader reader(tables[i], "mesh." + std::to_string(i));
     MeshEntry entry;
     entry.table = &tables[i];
-    const TomlValue* material = reader.find("material");
-    const TomlValue* mtl = reader.find("mtl");
-    reader.string("obj", entry.name);
-    reader.number("scale", entry.scale, kPositive);
-    reader.number("rotate_y", entry.rotate_y, kAnyNumber);
-    reader.vector("translate", entry.translate, kAnyNumber);
+    for (const char* key : {"file", "obj", "material", "mtl"}) reader.find(key);
+    const TomlValue* material = tables[i].find("material");
+    const TomlValue* mtl = tables[i].find("mtl");
+    entry.placement = MeshPlacement::read(reader);
     reader.finish();
-    reader.require("obj");
     if (material != nullptr && mtl != nullptr) {
       mtl->fail_here(reader.path_of("mtl") + " has no effect: material replaces what the MTL files say");
     }
     if (mtl != nullptr && string_of(*mtl, reader.path_of("mtl")) != "seed") {
       mtl->fail(reader.path_of("mtl"), "\"seed\"");
     }
+    FileKind kind = FileKind::other;
+    read_model(reader, folder, entry, kind);
     if (material != nullptr) entry.material = materials.use(*material, reader.path_of("material"));
+    files.expect(entry.file, kind, entry.material.has_value());
     entries.push_back(std::move(entry));
   }
   return entries;
 }
 
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene) {
-  const std::filesystem::path file = folder / entry.name;
-  if (!is_file(file)) {
-    entry.table->find("obj")->fail("mesh.obj", "an existing file");
-  }
-  MeshWithMaterials read = read_obj_into(library, file, {.ignore_materials = entry.material.has_value()});
-  place_mesh(read.mesh, entry);
+void load_mesh(const MeshEntry& entry, MeshFiles& files, Scene& scene) {
+  MeshWithMaterials read = files.take(entry.file, entry.material.has_value());
+  entry.placement.apply(read.mesh, *entry.table, entry.name);
   if (entry.material) read.materials.common = *entry.material;
   scene.geometry.meshes.push_back(std::move(read.mesh));
   scene.mesh_materials.push_back(std::move(read.materials));

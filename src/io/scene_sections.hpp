@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "material_library.hpp"
+#include "mesh_files.hpp"
+#include "mesh_placement.hpp"
 #include "raylab/scene/camera.hpp"
 #include "raylab/scene/scene.hpp"
 #include "toml_value.hpp"
@@ -51,15 +53,16 @@ void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, 
 /// A [[mesh]] as the scene file gives it.
 struct MeshEntry {
   const TomlValue* table;
-  std::string name;                       ///< the OBJ file as written
-  std::optional<std::uint32_t> material;  ///< absent: materials from the MTL files
-  float scale = 1.0f;                     ///< first, then the rotation, then the translation
-  float rotate_y = 0.0f;                  ///< degrees, anticlockwise seen from +y
-  vec3 translate = vec3(0.0f);
+  std::string name;                       ///< the model's file as written
+  std::filesystem::path file;             ///< where it is
+  std::optional<std::uint32_t> material;  ///< absent: materials from the model
+  MeshPlacement placement;
 };
-std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, SceneMaterials& materials);
+/// Every entry's file is known to be there and to be a model, and is expected of `files`.
+std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std::filesystem::path& folder,
+                                   SceneMaterials& materials, MeshFiles& files);
 
-/// Reads the OBJ file of an entry, moves it into place and appends it to the scene.
-void load_mesh(const MeshEntry& entry, const std::filesystem::path& folder, MaterialLibrary& library, Scene& scene);
+/// Reads the model of an entry, moves it into place and appends it to the scene.
+void load_mesh(const MeshEntry& entry, MeshFiles& files, Scene& scene);
 
 }  // namespace raylab

@@ -87,6 +87,14 @@ bool TableReader::count(const std::string& key, int& out) {
   return true;
 }
 
+bool TableReader::boolean(const std::string& key, bool& out) {
+  const TomlValue* value = find(key);
+  if (value == nullptr) return false;
+  if (value->kind != TomlValue::Kind::boolean) value->fail(path_of(key), "true or false");
+  out = value->boolean;
+  return true;
+}
+
 bool TableReader::string(const std::string& key, std::string& out) {
   const TomlValue* value = find(key);
   if (value != nullptr) out = string_of(*value, path_of(key));

@@ -40,6 +40,7 @@ class TableReader {
   bool vector(const std::string& key, vec3& out, const Numbers& numbers);
   /// An integer of at least 1 that fits an int.
   bool count(const std::string& key, int& out);
+  bool boolean(const std::string& key, bool& out);
   /// A string that is not empty.
   bool string(const std::string& key, std::string& out);
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "raylab/scene/camera.hpp"
 
@@ -19,6 +20,11 @@ class CameraFile {
   /// Remembers what the file holds now. Throws Error (input).
   explicit CameraFile(std::filesystem::path file);
 
+  /// A scene file that is yet to be written, with this text and the camera. One that is there is left alone: write()
+  /// throws Error (output) then.
+  CameraFile(std::filesystem::path file, std::string text)
+      : file_(std::move(file)), text_(std::move(text)), new_(true) {}
+
   /// Replaces the file by with_camera() of it, whole or not at all. Returns whether that changed anything. A file
   /// that no longer holds what was remembered is left alone: throws Error (output), and remembers what it holds
   /// now, so that asking a second time means it. Throws Error (output) too when it cannot be written.
@@ -29,6 +35,7 @@ class CameraFile {
  private:
   std::filesystem::path file_;
   std::string text_;
+  bool new_ = false;
 };
 
 }  // namespace raylab

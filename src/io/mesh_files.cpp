@@ -1,0 +1,50 @@
+#include "mesh_files.hpp"
+
+#include "raylab/core/error.hpp"
+
+namespace raylab {
+namespace {
+
+MeshWithMaterials read_mesh(FileKind kind, MaterialLibrary& library, const std::filesystem::path& file,
+                            const ObjOptions& options) {
+  switch (kind) {
+    case FileKind::obj:
+      return read_obj_into(library, file, options);
+    case FileKind::ply:
+    case FileKind::stl:
+    case FileKind::gltf:
+    case FileKind::scene:
+    case FileKind::other:
+      break;
+  }
+  throw Error(ErrorKind::input, file.string(), "is no model");
+}
+
+}  // namespace
+
+MeshFiles::Entry& MeshFiles::entry(const std::filesystem::path& file, bool ignore_materials) {
+  return entries_[{std::filesystem::weakly_canonical(file), ignore_materials}];
+}
+
+void MeshFiles::expect(const std::filesystem::path& file, FileKind kind, bool ignore_materials) {
+  Entry& known = entry(file, ignore_materials);
+  known.kind = kind;
+  ++known.expected;
+}
+
+const MeshWithMaterials& MeshFiles::read(const std::filesystem::path& file, FileKind kind, bool ignore_materials) {
+  Entry& known = entry(file, ignore_materials);
+  if (!known.mesh) known.mesh = read_mesh(kind, library_, file, {.ignore_materials = ignore_materials});
+  return *known.mesh;
+}
+
+MeshWithMaterials MeshFiles::take(const std::filesystem::path& file, bool ignore_materials) {
+  Entry& known = entry(file, ignore_materials);
+  read(file, known.kind, ignore_materials);
+  if (--known.expected > 0) return *known.mesh;
+  MeshWithMaterials mesh = std::move(*known.mesh);
+  known.mesh.reset();
+  return mesh;
+}
+
+}  // namespace raylab

@@ -1,0 +1,130 @@
+#include "model_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "message_text.hpp"
+#include "raylab/core/text.hpp"
+
+namespace raylab {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+constexpr double kFieldOfView = 30.0;  // degrees, vertical
+constexpr double kMargin = 1.08;       // of the distance at which the model touches the picture's edge
+
+/// The file's point with +y up.
+dvec3 upright(const vec3& p, char up) {
+  const dvec3 v(p);
+  if (up == 'x') return {-v.y, v.x, v.z};
+  return up == 'z' ? dvec3(v.x, v.z, -v.y) : v;
+}
+
+/// Numbers that need be no more exact than a thousandth of the model.
+class RoundedNumbers {
+ public:
+  explicit RoundedNumbers(double size) : step_(std::pow(10.0, std::floor(std::log10(size)) - 3.0)) {}
+
+  std::string operator()(double value) const {
+    return number_text(static_cast<float>(std::round(value / step_) * step_));
+  }
+  std::string operator()(const dvec3& v) const {
+    return format("[%s, %s, %s]", (*this)(v.x).c_str(), (*this)(v.y).c_str(), (*this)(v.z).c_str());
+  }
+
+ private:
+  double step_;
+};
+
+struct View {
+  dvec3 center;
+  double radius;  ///< of the sphere around the centre that holds the model
+  double lowest;  ///< y
+  dvec3 back;     ///< unit, from the centre to the eye
+  dvec3 right, up;
+  double distance;  ///< of the eye from the centre
+};
+
+View view_of(const TriangleMesh& mesh, char up) {
+  dvec3 lower(INFINITY), upper(-INFINITY);
+  const auto for_each_point = [&](const auto& visit) {
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (!is_valid_triangle(mesh, i)) continue;
+      for (int c = 0; c < 3; ++c) visit(upright(mesh.positions[mesh.triangles[i][c]], up));
+    }
+  };
+  for_each_point([&](const dvec3& p) {
+    lower = glm::min(lower, p);
+    upper = glm::max(upper, p);
+  });
+  if (lower.x > upper.x) lower = upper = dvec3(0.0);
+  View view;
+  view.center = 0.5 * (lower + upper);
+  view.lowest = lower.y;
+  view.radius = 0.5 * glm::length(upper - lower);
+  if (!(view.radius > 0.0)) view.radius = 1.0;
+  view.back = glm::normalize(dvec3(0.6, 0.42, 1.0));
+  view.right = glm::normalize(glm::cross(dvec3(0.0, 1.0, 0.0), view.back));
+  view.up = glm::cross(view.back, view.right);
+  const double half_height = std::tan(0.5 * kFieldOfView * 3.14159265358979323846 / 180.0);
+  const double half_width = half_height * kWidth / kHeight;
+  view.distance = 0.01 * view.radius;
+  for_each_point([&](const dvec3& p) {
+    const dvec3 v = p - view.center;
+    const double across =
+        std::max(std::abs(glm::dot(v, view.right)) / half_width, std::abs(glm::dot(v, view.up)) / half_height);
+    view.distance = std::max(view.distance, glm::dot(v, view.back) + kMargin * across);
+  });
+  return view;
+}
+
+std::string in_toml(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted += '"';
+}
+
+}  // namespace
+
+std::string model_scene_text(const MeshWithMaterials& model, bool has_light, FileKind kind, const std::string& name,
+                             const ModelOptions& options) {
+  const char up = options.up != '\0' ? options.up : kind == FileKind::stl ? 'z' : 'y';
+  const View view = view_of(model.mesh, up);
+  const RoundedNumbers number(view.radius);
+  const dvec3 eye = view.center + view.distance * view.back;
+
+  std::string text = "[camera]\nlook_from = " + number(eye) + "\nlook_at = " + number(view.center) +
+                     "\nup = [0, 1, 0]\nvfov = " + number_text(kFieldOfView) +
+                     "\n\n[render]\nwidth = " + std::to_string(kWidth) + "\nheight = " + std::to_string(kHeight) +
+                     "\nsamples_per_pixel = 16\nmax_depth = 12\n\n";
+  text += "[[mesh]]\nfile = " + in_toml(name) + "\n";
+  if (up != 'y') text += std::string("up = \"") + up + "\"  # the file's axis that points up\n";
+  if (model.mesh.normals.empty() && kind != FileKind::gltf) {
+    text += "smooth = 30  # degrees: the file has no normals; faces that meet at less are shaded as one surface\n";
+  }
+  if (!has_light) {
+    // The sky alone shows a white surface at 0.5, and the key light adds 0.8 where it falls straight on.
+    const dvec3 direction = glm::normalize(-0.6 * view.right + 0.9 * view.up + 0.5 * view.back);
+    const double distance = 6.0 * view.radius;
+    text +=
+        "\n[background]  # a soft sky, as the model has no light\nbottom = [0.35, 0.35, 0.37]\ntop = [0.45, 0.55, "
+        "0.7]\n";
+    text += "\n[material.key-light]\ntype = \"diffuse_light\"\nradiance = [45, 42, 38]\n";
+    text +=
+        "\n[[sphere]]  # a key light, from the left and above\ncenter = " + number(view.center + distance * direction) +
+        "\nradius = " + number(0.14 * distance) + "\nmaterial = \"key-light\"\n";
+  }
+  if (options.ground) {
+    const double radius = 1000.0 * view.radius;
+    text += "\n[material.ground]\ntype = \"lambertian\"\nalbedo = [0.5, 0.5, 0.5]\n";
+    text += "\n[[sphere]]  # the ground, as in the One Weekend books\ncenter = " +
+            number({view.center.x, view.lowest - radius, view.center.z}) + "\nradius = " + number(radius) +
+            "\nmaterial = \"ground\"\n";
+  }
+  return text;
+}
+
+}  // namespace raylab
