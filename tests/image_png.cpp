@@ -80,6 +80,17 @@ TEST_CASE("a written PNG is rounded to nearest, row by row from the top", "[unit
   CHECK(folder.entries() == 1);
 }
 
+TEST_CASE("a written PNG says that its values are sRGB and what program wrote it", "[unit][image]") {
+  const TempFolder folder;
+  write_png(folder / "a.png", Image(3, 2));
+  const std::string bytes = read_text(folder / "a.png");
+  CHECK(bytes.find("sRGB") != std::string::npos);
+  // After the header: the length of the text, its kind, and at its end the checksum.
+  const std::string text = std::string("Software") + '\0' + "Raylab " RAYLAB_VERSION;
+  CHECK(bytes.substr(33, text.size() + 12) == test::detail::png_chunk("tEXt", text));
+  CHECK(read_image8(folder / "a.png").width == 3);
+}
+
 TEST_CASE("PNG files of every kind are widened to RGB", "[unit][image]") {
   const TempFolder folder;
   struct Case {

@@ -126,7 +126,7 @@ TEST_CASE("raylab-image diff shows where the error is", "[cli][image]") {
 TEST_CASE("raylab-image refuses a wrong command line with exit code 2", "[cli][image]") {
   const Pictures folder;
   const std::string a = folder.name("a.exr");
-  expect_failure({}, 2, "subcommand");
+  expect_failure({}, 2, "a command is missing");
   expect_failure({"paint"}, 2, "");
   expect_failure({"compare", a}, 2, "REFERENCE");
   expect_failure({"compare", a, a, a}, 2, a);
@@ -146,6 +146,19 @@ TEST_CASE("raylab-image refuses bad input with exit code 3", "[cli][image]") {
   write_text(folder / "text.png", "hello");
   expect_failure({"convert", folder.name("text.png"), folder.name("c.exr")}, 3, folder.name("text.png") + ": ");
   CHECK_FALSE(fs::exists(folder / "c.exr"));
+}
+
+TEST_CASE("a command that is unknown or missing is told with those there are", "[cli]") {
+  for (const char* program : {"/raylab-image", "/raylab-bench"}) {
+    const ProgramResult unknown = run_program(std::string(RAYLAB_BINARY_DIR) + program, {"foo"});
+    CHECK(unknown.exit_code == 2);
+    CHECK(unknown.err.find("unknown command foo: the commands are ") != std::string::npos);
+    const ProgramResult near = run_program(std::string(RAYLAB_BINARY_DIR) + program, {"compore"});
+    CHECK(near.err.find("unknown command compore: the nearest command is compare") != std::string::npos);
+    const ProgramResult missing = run_program(std::string(RAYLAB_BINARY_DIR) + program, {});
+    CHECK(missing.exit_code == 2);
+    CHECK(missing.err.find("a command is missing: the commands are ") != std::string::npos);
+  }
 }
 
 TEST_CASE("raylab-image says with exit code 4 what it cannot write", "[cli][image]") {

@@ -99,10 +99,12 @@ TEST_CASE("raylab-render writes each picture it is asked for and reports what it
   CHECK(read_image8(png).width == 16);
   const Attributes attributes = read_exr_attributes(small.output);
   CHECK(attributes.at("raylab.seed") == "9");
+  CHECK(attributes.at("raylab.version") == RAYLAB_VERSION);
   CHECK(attributes.at("raylab.partial") == "false");
   CHECK(attributes.at("raylab.command").find("--seed 9") != std::string::npos);
   const auto json = nlohmann::json::parse(read_text(stats));
   CHECK(json.at("rays").at("camera") == 16 * 8 * 4);
+  CHECK(json.at("version") == RAYLAB_VERSION);
   CHECK(json.at("spp") == 4);
   CHECK(json.at("partial") == false);
   CHECK(json.at("threads") == 2);
@@ -214,7 +216,10 @@ TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {
     small.expect_failure(2, {"--crop", "expected X,Y,WIDTH,HEIGHT"}, {std::string("--crop=") + crop});
   small.expect_failure(2, {"--width", "4294836225 pixels", "268435456"}, {"--width", "65535", "--height", "65535"});
   small.expect_failure(2, {"--set", "camera.vfow"}, {"--set", "camera.vfow=3"});
-  small.expect_failure(2, {"--nonsense"}, {"--nonsense"});
+  small.expect_failure(2, {"unknown option --nonsense"}, {"--nonsense"});
+  small.expect_failure(2, {"unknown option --with: the nearest option is --width"}, {"--with", "8"});
+  small.expect_failure(2, {"unexpected argument other.toml"}, {"other.toml", "another.toml"});
+  small.expect_failure(2, {"is a scene"}, {"--ground"});
   const ProgramResult nothing = raylab_render({});
   CHECK(nothing.exit_code == 2);
   CHECK(nothing.err.find("scene") != std::string::npos);
@@ -226,6 +231,59 @@ TEST_CASE("a side that is derived from the scene's aspect ratio counts in the li
   small.expect_failure(2, {"--height", "17592186044416 x 65536", "268435456"}, {"--height", "65536"});
   small.change("width = 16\nheight = 8", "width = 1\nheight = 268435456");
   small.expect_failure(2, {"--width", "65536 x 17592186044416"}, {"--width", "65536"});
+}
+
+TEST_CASE("a picture that will not be what was wanted is rendered, with a warning of what to do", "[cli]") {
+  SmallScene small;
+  const auto warning = [&](std::vector<std::string> arguments = {}) {
+    arguments.insert(arguments.begin(), {small.scene, "-o", small.output});
+    const ProgramResult result = raylab_render(arguments);
+    CHECK(result.exit_code == 0);
+    CHECK(std::count(result.err.begin(), result.err.end(), '\n') <= 1);
+    return result.err;
+  };
+  const auto holds = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(warning().empty());
+  CHECK(warning({"--quiet", "--set", "background.color=[0, 0, 0]"}).empty());
+  CHECK(holds(warning({"--set", "background.color=[0, 0, 0]"}), "warning: the scene has no light"));
+  CHECK(holds(warning({"--set", "camera.look_at=[0, 0, 9]"}),
+              "warning: the camera sees nothing of the scene, which lies from [-1, -1, -1] to [1, 1, 1]: "
+              "camera.look_at = [0, 0, 0] looks there"));
+  small.change("[[sphere]]", "[[mesh]]\nfile = \"m.obj\"\n[[sphere]]");
+  write_text(small / "m.obj", "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
+  CHECK(holds(warning(), "warning: the camera sees no mesh; meshes lie from [50, 0, 0]"));
+  // A lamp inside a closed ball lights nothing that is seen.
+  small.change("[[sphere]]",
+               "[material.lamp]\ntype = \"diffuse_light\"\n[[sphere]]\ncenter = [0, 0, 0]\n"
+               "radius = 0.5\nmaterial = \"lamp\"\n[[sphere]]");
+  CHECK(holds(warning({"--set", "background.color=[0, 0, 0]"}), "warning: the picture is black: no light reaches"));
+}
+
+TEST_CASE("layers that no file takes are told of", "[cli]") {
+  const SmallScene small;
+  const ProgramResult result =
+      raylab_render({small.scene, "-o", (small / "a.png").string(), "--layers", "normal", "--spp", "1"});
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.find("warning: --layers: nothing is written of them") != std::string::npos);
+  CHECK(result.out.find("not estimated: that takes two samples per pixel") != std::string::npos);
+}
+
+TEST_CASE("a model is rendered as it is, and the scene made for it can be kept once", "[cli]") {
+  const TempFolder folder;
+  const std::string model = (folder / "model.obj").string(), scene = (folder / "sub.toml").string();
+  write_text(model, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string picture = (folder / "a.png").string(), again = (folder / "b.png").string();
+  const ProgramResult result = raylab_render({model, "-o", picture, "--write-scene", scene});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.empty());
+  CHECK(raylab_render({scene, "-o", again}).exit_code == 0);
+  CHECK(read_text(picture) == read_text(again));
+  const std::string text = read_text(scene);
+  const ProgramResult second = raylab_render({model, "-o", picture, "--write-scene", scene});
+  CHECK(second.exit_code == 4);
+  CHECK(second.err.find("is there already") != std::string::npos);
+  CHECK(read_text(scene) == text);
 }
 
 TEST_CASE("names that are not UTF-8 are taken, and replaced where JSON cannot hold them", "[cli]") {

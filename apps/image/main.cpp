@@ -12,9 +12,8 @@ namespace {
 using raylab::Error;
 using raylab::ErrorKind;
 
-/// Runs the command that the arguments name. Throws Error; what CLI11 has to say of the arguments becomes one of
-/// kind usage.
-void run(int argc, char** argv) {
+/// Runs the command that the arguments name and returns the exit code. Throws Error.
+int run(int argc, char** argv) {
   CLI::App app{"Compares, converts and describes pictures: OpenEXR, PNG, and to read also JPEG."};
   app.name("raylab-image");
   app.set_version_flag("--version", "raylab-image " RAYLAB_VERSION);
@@ -51,30 +50,23 @@ void run(int argc, char** argv) {
       ->type_name("ERROR")
       ->check(CLI::Range(1e-12, 1e12));
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    // Help and version come as exceptions too.
-    if (e.get_exit_code() == 0) {
-      app.exit(e);
-      return;
-    }
-    throw Error(ErrorKind::usage, "", e.what());
-  }
+  int exit_code = 0;
+  if (!raylab::parse_or_tell(app, argc, argv, exit_code)) return exit_code;
   if (*compare) raylab::app::compare(image, reference, as_json);
   if (*convert) raylab::app::convert(input, output, exposure);
   if (*info) raylab::app::info(input);
   if (*diff) raylab::app::diff(image, reference, output, full_scale);
+  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   return raylab::run_and_tell("raylab-image", [&] {
-    run(argc, argv);
+    const int exit_code = run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       throw Error(ErrorKind::output, "standard output", "cannot be written");
     }
-    return 0;
+    return exit_code;
   });
 }

@@ -109,7 +109,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   command.progress = progress_names.at(progress);
   if (command.quiet && command.progress == ProgressKind::automatic) command.progress = ProgressKind::none;
   if (command.scene.empty() && !command.list_accels) {
-    std::fprintf(stderr, "raylab-render: a scene file is missing\nRun with --help for the options.\n");
+    std::fprintf(stderr, "raylab-render: a scene file or a model is missing (--help lists the options)\n");
     exit_code = static_cast<int>(ErrorKind::usage);
     return std::nullopt;
   }

@@ -15,6 +15,7 @@
 #include "raylab/core/text.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/render/features.hpp"
+#include "raylab/render/view_warnings.hpp"
 #include "report.hpp"
 
 namespace raylab {
@@ -70,7 +71,8 @@ std::vector<Layer> make_layers(const RenderCommand& command, const Scene& scene,
 }
 
 Attributes make_attributes(const RenderReport& r) {
-  return {{"raylab.command", r.command.command_line},
+  return {{"raylab.version", RAYLAB_VERSION},
+          {"raylab.command", r.command.command_line},
           {"raylab.sceneHash", format("%016" PRIx64, r.loaded.hash)},
           {"raylab.seed", std::to_string(r.options.seed)},
           {"raylab.firstSample", std::to_string(r.options.first_sample)},
@@ -125,9 +127,10 @@ int render(const RenderCommand& command) {
   const LoadedScene loaded = load_scene(command.scene, load_options);
   const double load_seconds = load_watch.seconds();
   if (!command.write_scene.empty()) write_made_scene(loaded, command.write_scene);
-  for (const std::string& warning : loaded.warnings) {
+  const auto warn = [&](const std::string& warning) {
     if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
-  }
+  };
+  for (const std::string& warning : loaded.warnings) warn(warning);
   const Scene& scene = loaded.scene;
   if (command.check) {
     std::fputs(check_text(loaded, load_seconds).c_str(), stdout);
@@ -138,6 +141,13 @@ int render(const RenderCommand& command) {
 
   const InterruptGuard guard;
   RenderSession session(scene, *accelerator, session_options(command, loaded));
+  std::vector<std::string> warnings = view_warnings(scene, *accelerator, session.options());
+  const bool is_exr =
+      std::any_of(outputs.begin(), outputs.end(), [](const auto& file) { return lowercase_ending(file) == ".exr"; });
+  if (!command.layers.empty() && !is_exr) {
+    warnings.emplace_back("--layers: nothing is written of them, as only EXR files hold layers and none is asked for");
+  }
+  for (const std::string& warning : warnings) warn(warning);
   Progress progress(command.progress);
   session.start();
   while (!session.wait_for(0.05)) {
@@ -162,6 +172,9 @@ int render(const RenderCommand& command) {
                             film.estimated_relmse(),
                             partial};
   const Image image = film.image();
+  if (!partial && warnings.empty() && is_black(image)) {
+    warn("the picture is black: no light reaches what the camera sees");
+  }
   const std::vector<Layer> layers = make_layers(command, scene, *accelerator, session.options(), film);
   for (const auto& file : outputs) write_image(file, image, layers, make_attributes(report));
   if (!command.stats_file.empty()) {

@@ -58,7 +58,10 @@ std::string report_text(const RenderReport& r) {
                  s.rays.camera, s.rays.scattered, s.rays.shadow, millions_per_second(s.rays.total(), s.seconds));
   text += format("render     %.3f s on %d threads, %.3f Mpaths/s\n", s.seconds, threads_of(r.command),
                  millions_per_second(s.rays.camera, s.seconds));
-  text += format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n", r.estimated_relmse);
+  text += r.estimated_relmse < kInfinity
+              ? format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n",
+                       r.estimated_relmse)
+              : std::string("error      not estimated: that takes two samples per pixel\n");
   if (s.dropped > 0) {
     text += format("dropped    %" PRIu64 " samples that were not finite; the first again: ", s.dropped) +
             replay_command(r) + "\n";
@@ -86,6 +89,7 @@ std::string report_json(const RenderReport& r) {
   const RenderStats& s = r.stats;
   nlohmann::ordered_json json;
   json["command"] = r.command.command_line;
+  json["version"] = RAYLAB_VERSION;
   json["scene"] = r.loaded.scene.name;
   json["scene_hash"] = format("%016" PRIx64, r.loaded.hash);
   json["triangles"] = r.loaded.scene.geometry.triangle_count();

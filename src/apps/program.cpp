@@ -1,11 +1,15 @@
 #include "raylab/apps/program.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -20,6 +24,41 @@ std::string shell_word(const std::string& word) {
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
+}
+
+/// The nearest of the names where one is near, else all of them.
+std::string known_names(const std::string& name, const std::vector<std::string>& known, const std::string& kind) {
+  const std::string nearest = nearest_name(name, known);
+  if (nearest.empty()) return {};
+  if (2 * edit_distance(name, nearest) <= name.size()) return ": the nearest " + kind + " is " + nearest;
+  std::string list;
+  for (const std::string& other : known) list += (list.empty() ? "" : ", ") + other;
+  return kind == "command" ? ": the commands are " + list : std::string();
+}
+
+/// What is wrong with the arguments, told of the first that is. CLI11 names those that it does not know from the last
+/// to the first, and a command that it does not know as none.
+std::string mistake(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
+  const CLI::App* used = &app;
+  while (!used->get_subcommands().empty()) used = used->get_subcommands().front();
+  const std::vector<std::string> unknown = app.remaining(true);
+  std::vector<std::string> commands;
+  for (const CLI::App* command : used->get_subcommands(nullptr)) commands.push_back(command->get_name());
+  const bool wants_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !commands.empty();
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (std::find(unknown.begin(), unknown.end(), argument) == unknown.end()) continue;
+    if (argument.starts_with("-")) {
+      std::vector<std::string> options;
+      for (const CLI::Option* option : used->get_options()) {
+        for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+      }
+      return "unknown option " + argument + known_names(argument, options, "option");
+    }
+    if (!wants_command) return "unexpected argument " + argument;
+    return "unknown command " + argument + known_names(argument, commands, "command");
+  }
+  return wants_command ? "a command is missing" + known_names("", commands, "command") : error.what();
 }
 
 }  // namespace
@@ -39,7 +78,8 @@ bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {
     if (asked) {
       exit_code = app.exit(e);
     } else {
-      std::fprintf(stderr, "%s: %s\nRun with --help for the options.\n", app.get_name().c_str(), e.what());
+      std::fprintf(stderr, "%s: %s (--help lists the options)\n", app.get_name().c_str(),
+                   mistake(app, argc, argv, e).c_str());
       exit_code = static_cast<int>(ErrorKind::usage);
     }
     return false;

@@ -1,5 +1,6 @@
 // PNG in and out: all of libpng stays in this file.
 #include <png.h>
+#include <zlib.h>
 
 #include <csetjmp>
 #include <new>
@@ -94,6 +95,19 @@ class PngReader {
   std::string reason_;
 };
 
+/// A chunk that names the program and its version. libpng's writer in one call takes no text.
+std::string software_chunk() {
+  const auto big_endian = [](std::uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+    return bytes;
+  };
+  const std::string text = std::string("Software") + '\0' + "Raylab " RAYLAB_VERSION;
+  const std::string body = "tEXt" + text;
+  const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+  return big_endian(static_cast<std::uint32_t>(text.size())) + body + big_endian(static_cast<std::uint32_t>(checksum));
+}
+
 }  // namespace
 
 void write_png(const fs::path& file, const Image& image) {
@@ -114,7 +128,10 @@ void write_png(const fs::path& file, const Image& image) {
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, encoded.data(), 0, nullptr) == 0) {
     throw Error(ErrorKind::output, file.string(), std::string("cannot be written: ") + png.message);
   }
-  output.stream().write(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(size);
+  constexpr std::size_t after_header = 8 + 25;  // the signature and the first chunk
+  bytes.insert(after_header, software_chunk());
+  output.stream() << bytes;
   output.commit();
 }
 

@@ -8,6 +8,7 @@
 
 #include "file_bytes.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/image/image_file.hpp"
 
 namespace raylab {
 namespace {
@@ -101,9 +102,7 @@ FileContent content_of(std::string_view start, std::uintmax_t size) {
 
 /// What the ending of a name promises; `other` when it promises nothing.
 FileKind kind_by_name(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string ending = lowercase_ending(file);
   if (ending == ".toml") return FileKind::scene;
   if (ending == ".obj") return FileKind::obj;
   if (ending == ".ply") return FileKind::ply;
