@@ -1,5 +1,7 @@
 #pragma once
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -39,6 +41,20 @@ inline bool any_line(const std::vector<std::string>& lines, const std::string& p
 inline std::string joined(const std::vector<std::string>& lines) {
   std::string all;
   for (const std::string& line : lines) all += line + "\n";
+  return all;
+}
+
+/// The numbers as a binary file has them, each in the bytes of its type.
+template <class... Number>
+std::string bytes_of(std::endian order, Number... numbers) {
+  std::string all;
+  const auto add = [&](auto number) {
+    std::string bytes(sizeof number, '\0');
+    std::memcpy(bytes.data(), &number, sizeof number);
+    if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
+    all += bytes;
+  };
+  (add(numbers), ...);
   return all;
 }
 
