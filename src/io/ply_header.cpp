@@ -69,7 +69,7 @@ class HeaderReader {
 
   void read_element() {
     PlyElement element;
-    element.location = words_.location();
+    element.line = words_.line();
     element.name = word_of("the name of an element");
     const std::string_view count = words_.word();
     const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
@@ -91,7 +91,7 @@ class HeaderReader {
 
   void read_property() {
     PlyProperty property;
-    property.location = words_.location();
+    property.line = words_.line();
     std::string_view type = words_.word();
     if (type == "list") {
       const std::string_view count = words_.word();
@@ -118,7 +118,7 @@ class HeaderReader {
       return;
     }
     header_.texture = std::move(name);
-    header_.texture_location = words_.location();
+    header_.texture_line = words_.line();
   }
 
   std::string word_of(const char* what) {
@@ -150,13 +150,10 @@ std::size_t size_of(PlyType type) {
   return sizes[static_cast<std::size_t>(type)];
 }
 
-std::optional<std::size_t> PlyElement::find(std::initializer_list<const char*> names) const {
-  for (const char* name : names) {
-    for (std::size_t i = 0; i < properties.size(); ++i) {
-      if (properties[i].name == name) return i;
-    }
-  }
-  return std::nullopt;
+std::optional<std::size_t> PlyElement::find(std::string_view name) const {
+  const auto found = std::find_if(properties.begin(), properties.end(), [&](const auto& p) { return p.name == name; });
+  if (found == properties.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - properties.begin());
 }
 
 bool PlyElement::has_lists() const {
@@ -171,11 +168,10 @@ std::size_t PlyElement::smallest() const {
 
 PlyHeader read_ply_header(std::string_view text, WordReader& words, std::vector<std::string>& warnings) {
   PlyHeader header = HeaderReader(words, warnings).read();
-  // Of a binary file, what looks like a line end may be the first element's: how the first line ends tells.
+  // Of a binary file, what looks like more of a line end may be the first element's: how the first line ends tells.
   const std::string_view rest = text.substr(words.at());
-  const bool two = rest.starts_with("\r\n") && text[text.find_first_of("\r\n")] == '\r' &&
-                   text[text.find_first_of("\r\n") + 1] == '\n';
-  header.end = words.at() + (two ? 2 : rest.empty() ? 0 : 1);
+  const bool two = rest.starts_with("\r\n") && text.substr(text.find_first_of("\r\n")).starts_with("\r\n");
+  header.end = words.at() + (two ? 2 : std::min<std::size_t>(rest.size(), 1));
   return header;
 }
 

@@ -19,7 +19,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::float32;
   std::optional<PlyType> count;  ///< type of the number of values before a list's
-  std::string location;          ///< file:line
+  int line = 0;
 
   /// Bytes of the shortest value in a binary file: an empty list's.
   std::size_t smallest() const { return size_of(count.value_or(type)); }
@@ -29,10 +29,10 @@ struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
-  std::string location;  ///< file:line
+  int line = 0;
 
-  /// Index of the first property that has one of the names, the first of the names before the others.
-  std::optional<std::size_t> find(std::initializer_list<const char*> names) const;
+  /// Index of the property of that name.
+  std::optional<std::size_t> find(std::string_view name) const;
   bool has_lists() const;
   /// Bytes of one in a binary file with all lists empty.
   std::size_t smallest() const;
@@ -42,9 +42,9 @@ struct PlyHeader {
   enum class Format : std::uint8_t { ascii, little_endian, big_endian };
   Format format = Format::ascii;
   std::vector<PlyElement> elements;
-  std::string texture;           ///< file name with forward slashes, of the first comment TextureFile; empty: none
-  std::string texture_location;  ///< file:line
-  std::size_t end = 0;           ///< byte where the elements begin
+  std::string texture;  ///< file name with forward slashes, of the first comment TextureFile; empty: none
+  int texture_line = 0;
+  std::size_t end = 0;  ///< byte where the elements begin
 };
 
 /// Reads up to end_header and its line end. Nothing of it is checked against what follows. Lines that are not
