@@ -42,10 +42,19 @@ void FaceBuilder::add_face(std::span<const Corner> corners, std::size_t place) {
   }
 }
 
-void FaceBuilder::finish() {
+void FaceBuilder::finish(std::vector<std::string>& warnings, const std::string& file,
+                         const std::function<std::string(std::size_t)>& location) {
   finish_normals();
   finish_texcoords();
   mesh_.pad_positions();
+  const auto warn = [&](const Tally& tally, const std::string& what) {
+    if (tally.count == 0) return;
+    warnings.push_back(location(tally.first) + ": " + what + ": " + std::to_string(tally.count) + ", the first here");
+  };
+  warn(degenerate_, "faces of fewer than 3 distinct corners, left out");
+  warn(tangled_, "polygons that cross themselves or have no area, split as fans");
+  warn(zero_normals_, "normals of length zero, replaced by those of the faces");
+  if (mesh_.triangles.empty()) warnings.push_back(file + ": no faces");
 }
 
 void FaceBuilder::finish_normals() {
@@ -72,18 +81,6 @@ void FaceBuilder::finish_texcoords() {
     }
   }
   if (needs_origin) mesh_.texcoords.emplace_back(0.0f, 0.0f);
-}
-
-std::vector<std::string> FaceBuilder::warnings(const std::function<std::string(std::size_t)>& location) const {
-  std::vector<std::string> warnings;
-  const auto warn = [&](const Tally& tally, const std::string& what) {
-    if (tally.count == 0) return;
-    warnings.push_back(location(tally.first) + ": " + what + ": " + std::to_string(tally.count) + ", the first here");
-  };
-  warn(degenerate_, "faces of fewer than 3 distinct corners, left out");
-  warn(tangled_, "polygons that cross themselves or have no area, split as fans");
-  warn(zero_normals_, "normals of length zero, replaced by those of the faces");
-  return warnings;
 }
 
 }  // namespace raylab

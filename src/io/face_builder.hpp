@@ -50,11 +50,10 @@ class FaceBuilder {
   bool has_zero_normals() const { return zero_normals_.count > 0; }
 
   /// Completes the mesh when all faces are there. It has normals or texture coordinates when some face has; the other
-  /// faces then get their geometric normal, or (0, 0).
-  void finish();
-
-  /// What was left out or replaced. `location` makes "file:line" or the like of a place.
-  std::vector<std::string> warnings(const std::function<std::string(std::size_t)>& location) const;
+  /// faces then get their geometric normal, or (0, 0). Adds warnings of what was left out or replaced, and of a mesh
+  /// without faces; `location` makes "file:line" or the like of a place.
+  void finish(std::vector<std::string>& warnings, const std::string& file,
+              const std::function<std::string(std::size_t)>& location);
 
  private:
   void finish_normals();

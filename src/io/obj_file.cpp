@@ -57,17 +57,13 @@ class ObjBuilder {
     stream.exceptions(std::ios::badbit);  // errors found while a line is fetched reach the caller
     tinyobj::LoadObjWithCallback(stream, callbacks, this);
 
-    faces_.finish();
-    for (std::string& warning : faces_.warnings([&](std::size_t line) { return location(line); })) {
-      library_.warnings.push_back(std::move(warning));
-    }
-    if (mesh_.triangles.empty()) library_.warnings.push_back(file_.string() + ": no faces");
+    faces_.finish(library_.warnings, file_.string(),
+                  [&](std::size_t line) { return file_.string() + ":" + std::to_string(line); });
     return {std::move(mesh_), materials_.finish(library_)};
   }
 
  private:
   std::size_t line() const { return static_cast<std::size_t>(source_.line()); }
-  std::string location(std::size_t line) const { return file_.string() + ":" + std::to_string(line); }
 
   void vertex(const vec3& p) {
     if (!is_finite(p)) source_.fail("finite coordinates");

@@ -46,16 +46,9 @@ class PlyReader {
   MeshWithMaterials build(const ObjOptions& options) {
     read_elements();
     if (mesh_.triangles.size() > kNone) throw Error(ErrorKind::input, file_.string(), "more than 4294967295 triangles");
-    faces_.finish();
-    for (std::string& warning : faces_.warnings([&](std::size_t place) { return values_.location(place); })) {
-      library_.warnings.push_back(std::move(warning));
-    }
+    faces_.finish(library_.warnings, file_.string(), [&](std::size_t place) { return values_.location(place); });
     MeshMaterials materials;
-    if (mesh_.triangles.empty()) {
-      library_.warnings.push_back(file_.string() + ": no faces");
-    } else if (!options.ignore_materials) {
-      materials.common = material();
-    }
+    if (!mesh_.triangles.empty() && !options.ignore_materials) materials.common = material();
     return {std::move(mesh_), std::move(materials)};
   }
 

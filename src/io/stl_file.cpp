@@ -99,14 +99,9 @@ class StlReader {
     } else {
       read_text();
     }
-    faces_.finish();
-    for (std::string& warning : faces_.warnings([&](std::size_t place) { return location(place); })) {
-      library_.warnings.push_back(std::move(warning));
-    }
+    faces_.finish(library_.warnings, file_.string(), [&](std::size_t place) { return location(place); });
     MeshMaterials materials;
-    if (mesh_.triangles.empty()) {
-      library_.warnings.push_back(file_.string() + ": no faces");
-    } else if (!options.ignore_materials) {
+    if (!mesh_.triangles.empty() && !options.ignore_materials) {
       materials.common = library_.default_material(file_.string());
     }
     return {std::move(mesh_), std::move(materials)};
@@ -125,8 +120,7 @@ class StlReader {
   void add_facet(const std::array<vec3, 3>& points, PointTable& table, std::size_t place) {
     if (mesh_.positions.size() > kNone - 3) fail_at(place, "another facet", "at most 4294967295 vertices");
     std::array<FaceBuilder::Corner, 3> corners;
-    // Adding 0 makes 0 of -0, which is the same place.
-    for (std::size_t c = 0; c < 3; ++c) corners[c] = {table.index_of(points[c] + 0.0f), kNone, kNone};
+    for (std::size_t c = 0; c < 3; ++c) corners[c] = {table.index_of(points[c]), kNone, kNone};
     faces_.add_face(corners, place);
   }
 
@@ -135,7 +129,7 @@ class StlReader {
     for (std::size_t i = 0; i < 9; ++i) {
       const float x = std::bit_cast<float>(little_endian(bytes_.data() + at + sizeof(float) * i));
       if (!std::isfinite(x)) fail_at(at + sizeof(float) * i, number_text(x), "a finite coordinate");
-      points[i / 3][static_cast<int>(i % 3)] = x + 0.0f;
+      points[i / 3][static_cast<int>(i % 3)] = x + 0.0f;  // 0 for -0, which is the same place
     }
   }
 
@@ -151,7 +145,8 @@ class StlReader {
     }
     mesh_.triangles.reserve(count);
     mesh_.positions.reserve(count / 2 + 4);  // of a closed mesh of triangles
-    PointTable table(mesh_.positions, count / 2);
+    PointTable table(mesh_.positions, count / 2 + 4);
+    // A facet's points are fetched while the 32 before it are looked up.
     std::array<std::array<vec3, 3>, 32> ahead;
     for (std::size_t i = 0; i < count + ahead.size(); ++i) {
       std::array<vec3, 3>& points = ahead[i % ahead.size()];
@@ -190,7 +185,7 @@ class StlReader {
           expect("vertex");
           for (int c = 0; c < 3; ++c) {
             const std::string_view number = next();
-            point[c] = static_cast<float>(number_of_word(number).value_or(NAN));
+            point[c] = static_cast<float>(number_of_word(number).value_or(NAN)) + 0.0f;  // 0 for -0
             if (!std::isfinite(point[c])) words.fail(number, "a finite coordinate");
           }
         }
