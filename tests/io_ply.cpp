@@ -175,7 +175,7 @@ TEST_CASE("PLY lines end in any of three ways, and a binary file begins right be
       for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size()) text.replace(at, 1, end);
       return text;
     };
-    check_triangle(mesh_of(lines(header("ascii", kThree + kOneFace) + "\n" + kCorners + "\n3 0 1 2")));
+    check_triangle(mesh_of("\xEF\xBB\xBF" + lines(header("ascii", kThree + kOneFace) + "\n" + kCorners + "\n3 0 1 2")));
     // The first bytes look like a line end.
     const std::string bytes = bytes_of(kLittle, short{0x0d0a}, '\n', 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f);
     const TriangleMesh mesh = mesh_of(
@@ -314,8 +314,9 @@ TEST_CASE("a PLY file's picture is the albedo, and a warning where it cannot be"
   CHECK(missing.library.materials.at(0).name == "default");
 
   write_png(folder / "a map.png", Image(2, 2));
-  const ReadPly read = read_ply(folder, file(comment + "comment TextureFile b.png\n", true));
+  const ReadPly read = read_ply(folder, file(comment + "comment TextureFile b.png\ncomment TextureFile c.png\n", true));
   CHECK(any_line(read.library.warnings, folder.at("mesh.ply:4"), {"\"b.png\" is left out"}));
+  CHECK(read.library.warnings.size() == 1);
   REQUIRE(read.library.materials.size() == 1);
   CHECK(read.library.materials[0].kind == Material::Kind::lambertian);
   CHECK(read.library.materials[0].color.kind == Texture::Kind::image);
@@ -414,7 +415,9 @@ TEST_CASE("bad numbers of a PLY text are refused with their line", "[unit]") {
        {start + kCorners + "3 0 1 2 2\n", ":13", {"expected the end of the line"}},
        {start + kCorners + "\n \n\n", ":16", {"found the end of the file, expected another \"face\""}},
        {start + kCorners, ":13", {"found the end of the file, expected another \"face\""}},
-       {header("ascii", "element vertex 4000000000\n" + kXyz) + kCorners, ":7", {"found 19 bytes, expected 4000000000 of element"}},
+       {header("ascii", "element vertex 4000000000\n" + kXyz) + kCorners,
+        ":7",
+        {"found 19 bytes, expected 4000000000 of element"}},
        {header("ascii", kOneFace) + "3 0 1 2\n", ":6", {"found \"0\"", "there are no vertices"}},
        {header("ascii", kOneFace + kThree) + "3 0 1 7\n" + kCorners, ":10", {"found \"7\""}},
        {header("ascii", kThree + kOneFace + "property list uchar float texcoord\n") + kCorners + "3 0 1 2 4 0 0 0 0\n",

@@ -104,7 +104,7 @@ TEST_CASE("STL texts may hold several solids, in capital letters and lines of an
   const InputFolder folder;
   std::string text = text_stl({kFirst}) + "solid\nendsolid\n\n" + text_stl({kSecond});
   CHECK(read_stl(folder, text).mesh.triangles == kTriangles);
-  CHECK(read_stl(folder, "\n  " + text).mesh.triangles == kTriangles);
+  CHECK(read_stl(folder, "\xEF\xBB\xBF\n  " + text).mesh.triangles == kTriangles);
   std::replace(text.begin(), text.end(), '\n', '\r');
   CHECK(read_stl(folder, text).mesh.triangles == kTriangles);
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });

@@ -53,9 +53,9 @@ class PlyReader {
   }
 
  private:
-  std::string header_location(int line) const { return file_.string() + ":" + std::to_string(line); }
+  std::string header_location(std::size_t line) const { return file_.string() + ":" + std::to_string(line); }
 
-  [[noreturn]] void fail_in_header(int line, const std::string& found, const std::string& expected) const {
+  [[noreturn]] void fail_in_header(std::size_t line, const std::string& found, const std::string& expected) const {
     throw Error(ErrorKind::input, header_location(line), "found " + found + ", expected " + expected);
   }
 

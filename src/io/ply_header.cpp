@@ -114,7 +114,9 @@ class HeaderReader {
     std::replace(name.begin(), name.end(), '\\', '/');
     if (name.empty()) words_.fail("", "the name of a picture");
     if (!header_.texture.empty()) {
-      warnings_.push_back(words_.location() + ": picture " + in_quotes(name) + " is left out: the mesh has the first");
+      if (std::exchange(warned_of_texture_, true)) return;
+      warnings_.push_back(words_.location() + ": texture " + in_quotes(name) +
+                          " is left out, as is any other: the mesh has the first");
       return;
     }
     header_.texture = std::move(name);
@@ -132,7 +134,7 @@ class HeaderReader {
   }
 
   void not_understood(std::string_view keyword) {
-    if (std::exchange(warned_, true)) return;
+    if (std::exchange(warned_of_line_, true)) return;
     warnings_.push_back(words_.location() + ": " + in_quotes(keyword) + " is not understood and left out");
   }
 
@@ -140,7 +142,7 @@ class HeaderReader {
   std::vector<std::string>& warnings_;
   PlyHeader header_;
   std::set<std::string> element_names_, property_names_;
-  bool warned_ = false;
+  bool warned_of_line_ = false, warned_of_texture_ = false;
 };
 
 }  // namespace

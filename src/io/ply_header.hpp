@@ -19,7 +19,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::float32;
   std::optional<PlyType> count;  ///< type of the number of values before a list's
-  int line = 0;
+  std::size_t line = 0;
 
   /// Bytes of the shortest value in a binary file: an empty list's.
   std::size_t smallest() const { return size_of(count.value_or(type)); }
@@ -29,7 +29,7 @@ struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
-  int line = 0;
+  std::size_t line = 0;
 
   /// Index of the property of that name.
   std::optional<std::size_t> find(std::string_view name) const;
@@ -43,7 +43,7 @@ struct PlyHeader {
   Format format = Format::ascii;
   std::vector<PlyElement> elements;
   std::string texture;  ///< file name with forward slashes, of the first comment TextureFile; empty: none
-  int texture_line = 0;
+  std::size_t texture_line = 0;
   std::size_t end = 0;  ///< byte where the elements begin
 };
 

@@ -27,7 +27,7 @@ class PlyValues {
 
   bool is_text() const { return is_text_; }
   std::size_t bytes_left() const { return is_text_ ? words_.bytes_left() : bytes_.size() - at_; }
-  std::size_t place() const { return is_text_ ? static_cast<std::size_t>(words_.line()) : at_; }
+  std::size_t place() const { return is_text_ ? words_.line() : at_; }
   /// "file:line" or "file, byte N"
   std::string location(std::size_t place) const { return file_ + (is_text_ ? ":" : ", byte ") + std::to_string(place); }
 

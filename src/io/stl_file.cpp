@@ -37,8 +37,9 @@ bool is_binary(std::string_view bytes) {
     const std::uint64_t count = little_endian(bytes.data() + kHeaderBytes - 4);
     if (bytes.size() == kHeaderBytes + count * kFacetBytes) return true;
   }
-  const std::string_view begin = bytes.substr(0, kHeaderBytes);
-  return begin.find('\0') != begin.npos || !is_word(trimmed(bytes).substr(0, 5), "solid");
+  WordReader words(bytes, "");
+  words.find_word();
+  return bytes.substr(0, kHeaderBytes).find('\0') != bytes.npos || !is_word(words.word(), "solid");
 }
 
 /// Finds points that are equal, bit by bit. An open hash table, half full at most, of indices into the points.
@@ -174,7 +175,7 @@ class StlReader {
       words.rest_of_line();  // its name
       for (std::string_view word = next(); !is_word(word, "endsolid"); word = next()) {
         if (!is_word(word, "facet")) words.fail(word, "facet or endsolid");
-        const auto line = static_cast<std::size_t>(words.line());
+        const std::size_t line = words.line();
         expect("normal");
         // Normals are not used, and not a number in some files.
         for (int c = 0; c < 3; ++c) next();

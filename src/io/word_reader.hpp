@@ -1,15 +1,20 @@
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace raylab {
 
-/// Takes a text apart into words, and knows the line at hand. A line may end in \n, \r\n or \r.
+/// Takes a text apart into words, and knows the line at hand. A line may end in \n, \r\n or \r. A byte order mark at
+/// the beginning is no word.
 class WordReader {
  public:
   /// `text` must outlive the reader; `file` is its name in messages.
-  WordReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+  WordReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    if (text.starts_with("\xEF\xBB\xBF")) at_ = 3;
+  }
 
   /// Goes on to the next word, which may stand on a later line; false when there is none.
   bool find_word();
@@ -21,7 +26,7 @@ class WordReader {
   /// How many bytes were taken so far.
   std::size_t at() const { return at_; }
   std::size_t bytes_left() const { return text_.size() - at_; }
-  int line() const { return line_; }
+  std::size_t line() const { return line_; }
   /// "file:line"
   std::string location() const { return file_ + ":" + std::to_string(line_); }
 
@@ -32,7 +37,7 @@ class WordReader {
   std::string_view text_;
   std::string file_;
   std::size_t at_ = 0;
-  int line_ = 1;
+  std::size_t line_ = 1;
 };
 
 /// The decimal number that the word is, which may be infinite or not a number ("inf", "nan").
