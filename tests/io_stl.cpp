@@ -5,7 +5,6 @@
 #include <limits>
 #include <random>
 #include <sstream>
-#include <tuple>
 
 #include "catch.hpp"
 #include "expect_error.hpp"
@@ -60,11 +59,17 @@ const Facet kSecond = {vec3(0, 1, -0.0f), vec3(1, 0, 0), vec3(1, 1, 0)};
 const std::vector<vec3> kPositions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
 const std::vector<uvec3> kTriangles = {{0, 1, 2}, {2, 1, 3}};
 
-void expect_all(const std::vector<std::tuple<std::string, std::string, const char*>>& files) {
+struct BadStl {
+  std::string bytes;
+  std::string place;  ///< ":LINE" or ", byte N"
+  const char* part;
+};
+
+void expect_all(const std::vector<BadStl>& files) {
   const InputFolder folder;
-  for (const auto& [bytes, place, part] : files) {
-    INFO(bytes);
-    expect_error(ErrorKind::input, folder.at("mesh.stl" + place), {part}, [&] { read_stl(folder, bytes); });
+  for (const BadStl& bad : files) {
+    INFO(bad.bytes);
+    expect_error(ErrorKind::input, folder.at("mesh.stl" + bad.place), {bad.part}, [&] { read_stl(folder, bad.bytes); });
   }
 }
 
