@@ -1,6 +1,8 @@
 #include "mesh_files.hpp"
 
+#include "ply_file.hpp"
 #include "raylab/core/error.hpp"
+#include "stl_file.hpp"
 
 namespace raylab {
 namespace {
@@ -11,7 +13,9 @@ MeshWithMaterials read_mesh(FileKind kind, MaterialLibrary& library, const std::
     case FileKind::obj:
       return read_obj_into(library, file, options);
     case FileKind::ply:
+      return read_ply_into(library, file, options);
     case FileKind::stl:
+      return read_stl_into(library, file, options);
     case FileKind::gltf:
     case FileKind::scene:
     case FileKind::other:

@@ -15,9 +15,10 @@ bool is_solid(const Texture& texture, const Rgb& color) {
 }  // namespace
 
 float fuzz_of_roughness(float roughness) {
-  // Half of the normals of GGX with width a lie within tan = a of its axis (Walter et al. 2007, equation 35 at 1/2), and
-  // the mirror direction turns by twice the angle. Half of the directions r + f s, s uniform on the unit sphere, lie
-  // within sin = f sin 60° of r where f is small: of each circle around r the one at 60° and its mirror image part half.
+  // Half of the normals of GGX with width a lie within tan = a of its axis (Walter et al. 2007, equation 35 at 1/2),
+  // and the mirror direction turns by twice the angle. Half of the directions r + f s, s uniform on the unit sphere,
+  // lie within sin = f sin 60° of r where f is small: of each circle around r the one at 60° and its mirror image part
+  // half.
   const double width = static_cast<double>(roughness) * static_cast<double>(roughness);
   const double angle = 2.0 * std::atan(width);
   constexpr double kSineOf60Degrees = 0.86602540378443865;
