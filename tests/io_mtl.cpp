@@ -241,3 +241,32 @@ TEST_CASE("materials are left alone when they are to be ignored", "[unit]") {
   CHECK(read.files.size() == 1);
   CHECK(read.mesh.triangles.size() == 1);
 }
+
+TEST_CASE("a texture is found by its name beside the MTL file, with a warning", "[unit]") {
+  for (const char* name : {"C:\\Users\\me\\my wood.png", "/home/me/my wood.png", "../../my wood.png", "MY Wood.PNG",
+                           "Textures\\My Wood.png", "textures/absent/my wood.png"}) {
+    INFO(name);
+    const OneMaterial one("map_Kd " + std::string(name) + "\n", "my wood.png");
+    CHECK(one.material().color.kind == Texture::Kind::image);
+    CHECK(one.read.warnings.size() == 1);
+    CHECK(one.warns(2, {"missing: \"my wood.png\" in its place"}));
+  }
+  // The folder that is named goes first, and of names that differ in case alone the first.
+  const OneMaterial one("Kd 1 1 1\n", "maps/WOOD.png");
+  for (const char* name : {"maps/Wood.png", "wood.png"}) write_png(one.folder / name, Image(1, 1));
+  one.folder.write("mesh.mtl", "newmtl a\nmap_Kd maps/wood.png\n");
+  const ObjMesh read = one.folder.obj("mtllib mesh.mtl\nusemtl a\n" + kTriangle);
+  CHECK(any_line(read.warnings, one.folder.at("mesh.mtl:2"), {"\"maps/WOOD.png\" in its place"}));
+}
+
+TEST_CASE("a material file is found by its name beside the OBJ file, with a warning", "[unit]") {
+  const InputFolder folder;
+  folder.write("Mesh.mtl", "newmtl a\nKd 1 0 0\n");
+  for (const char* name : {"C:\\models\\mesh.mtl", "MESH.MTL", "/tmp/absent/Mesh.mtl"}) {
+    INFO(name);
+    const ObjMesh read = folder.obj("mtllib " + std::string(name) + "\nusemtl a\n" + kTriangle);
+    CHECK(read.materials.at(0).color.a == Rgb(1.0f, 0.0f, 0.0f));
+    CHECK(read.warnings.size() == 1);
+    CHECK(any_line(read.warnings, folder.at("mesh.obj:1"), {"missing: \"Mesh.mtl\" in its place"}));
+  }
+}

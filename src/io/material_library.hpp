@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mtl_file.hpp"
+#include "named_file.hpp"
 #include "raylab/scene/material.hpp"
 #include "texture_files.hpp"
 
@@ -18,6 +19,7 @@ class MaterialLibrary {
  public:
   std::vector<Material> materials;
   TextureFiles textures;
+  NamedFiles named_files;
   std::vector<std::string> warnings;         ///< "file:line: message"
   std::vector<std::string> notes;            ///< one line a material: its place and how it was understood
   std::vector<std::filesystem::path> files;  ///< read so far, textures excepted

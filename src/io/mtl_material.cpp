@@ -2,7 +2,6 @@
 // and all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place).
 #include <algorithm>
 
-#include "file_bytes.hpp"
 #include "material_library.hpp"
 #include "message_text.hpp"
 
@@ -20,15 +19,15 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
 }
 
 Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / source.map_kd;
-  if (!is_file(file)) {
+  const auto file = named_files.find(folder, source.map_kd, "texture", source.map_kd_place, warnings);
+  if (!file) {
     warnings.push_back(source.map_kd_place + ": texture " + in_quotes(source.map_kd) + " of material " +
                        in_quotes(source.name) + " is missing: magenta in its place");
     return Texture::solid_color(Rgb(1.0f, 0.0f, 1.0f));
   }
   Texture texture;
   texture.kind = Texture::Kind::image;
-  texture.image = textures.load(file, source.map_kd);
+  texture.image = textures.load(*file, source.map_kd);
   check_albedo(textures.images()[texture.image], source.map_kd_place);
   return texture;
 }

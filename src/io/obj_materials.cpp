@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "message_text.hpp"
@@ -51,8 +52,8 @@ bool ObjMaterials::statement(std::string_view keyword, std::string_view rest, co
 
 void ObjMaterials::open_libraries(std::string_view names, const std::string& location, MaterialLibrary& library) {
   for (const std::string& name : library_names(names)) {
-    const std::filesystem::path file = file_.parent_path() / name;
-    if (const auto number = library.open_mtl(file)) {
+    const auto file = library.named_files.find(file_.parent_path(), name, "material file", location, library.warnings);
+    if (const auto number = file ? library.open_mtl(*file) : std::nullopt) {
       if (std::find(mtl_files_.begin(), mtl_files_.end(), *number) == mtl_files_.end()) mtl_files_.push_back(*number);
     } else {
       library.warnings.push_back(location + ": material file " + in_quotes(name) + " is missing");
