@@ -76,20 +76,21 @@ TEST_CASE("values out of range are clamped with a warning", "[unit]") {
 }
 
 TEST_CASE("what a material's model does not read is named in a warning", "[unit]") {
-  CHECK(OneMaterial("illum 7\nKd 1 1 1\n").warns(1, {"\"a\"", "illum 7"}));
+  CHECK(OneMaterial("illum 10\nKd 1 1 1\n").warns(1, {"\"a\"", "illum 10"}));
+  CHECK(OneMaterial("illum 10\nKd 1 1 1\nd 1\n").warns(1, {"\"a\"", "illum 10"}));
   CHECK(OneMaterial("illum 3\nKe 1 1 1\n").warns(1, {"Ke (1, 1, 1)", "left out"}));
   CHECK(OneMaterial("illum 6\nmap_Kd x.png\n").warns(1, {"map_Kd \"x.png\"", "left out"}));
 }
 
 TEST_CASE("MTL statements that are not understood give one warning a kind", "[unit]") {
   const OneMaterial one(
-      "Kd 1 1 1\nPr 0.5\nPr 0.6\nmap_Bump bump.png\nKs spectral steel.rfl\nd 0.5\n"
-      "newmtl b\nPr 1\nd 0.25\n");
+      "Kd 1 1 1\nPc 0.5\nPc 0.6\nmap_Bump bump.png\nKs spectral steel.rfl\nmap_d d.png\n"
+      "newmtl b\nPc 1\nmap_d e.png\n");
   CHECK(one.read.warnings.size() == 4);
-  CHECK(one.warns(3, {"\"Pr\""}));
+  CHECK(one.warns(3, {"\"Pc\""}));
   CHECK(one.warns(5, {"\"map_Bump\""}));
   CHECK(one.warns(6, {"\"Ks spectral\""}));
-  CHECK(one.warns(7, {"\"d\""}));
+  CHECK(one.warns(7, {"\"map_d\""}));
   CHECK(OneMaterial("Ka 1 1 1\nd 1.0\nTr 0\nTf 1 1 1\n").read.warnings.empty());
 }
 
@@ -103,6 +104,7 @@ TEST_CASE("bad values in an MTL file are refused with file:line and value", "[un
       {"Kd 1 x 1\n", 2, "found \"x\""},     {"\nKd 1 1\n", 3, "found \"1 1\""}, {"Ke -1 0 0\n", 2, "found \"-1\""},
       {"Ks nan 0 0\n", 2, "found \"nan\""}, {"Ke 1e39 0 0\n", 2, "1e39"},       {"Ns shiny\n", 2, "found \"shiny\""},
       {"Ni 0\n", 2, "found \"0\""},         {"Ni -1.5\n", 2, "found \"-1.5\""}, {"illum 2.5\n", 2, "found \"2.5\""},
+      {"d x\n", 2, "found \"x\""},          {"Pr\n", 2, "found \"\""},          {"Tf -1 1 1\n", 2, "found \"-1\""},
       {"illum 11\n", 2, "found \"11\""},    {"newmtl\n", 2, "newmtl"},          {"map_Kd -s 1 1 1\n", 2, "file name"}};
   for (const Case& bad : cases) {
     INFO(bad.lines);

@@ -7,8 +7,11 @@
 
 namespace raylab {
 
-std::uint32_t MaterialLibrary::add(Material material, const std::string& location) {
-  notes.push_back(location + ": " + describe(material, textures.images()));
+std::uint32_t MaterialLibrary::add(Material material, const std::string& location,
+                                   const std::vector<std::string>& left_out) {
+  std::string note = location + ": " + describe(material, textures.images());
+  for (std::size_t i = 0; i < left_out.size(); ++i) note += (i == 0 ? "; left out: " : ", ") + left_out[i];
+  notes.push_back(std::move(note));
   materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(materials.size() - 1);
 }
@@ -42,7 +45,12 @@ std::optional<std::uint32_t> MaterialLibrary::find(std::size_t mtl_file, const s
   const auto found = mtl.entries.find(name);
   if (found == mtl.entries.end()) return std::nullopt;
   MtlEntry& entry = found->second;
-  if (!entry.index) entry.index = add(from_mtl(entry.source, mtl.path.parent_path()), entry.source.location);
+  if (entry.index) return entry.index;
+  const std::filesystem::path folder = mtl.path.parent_path();
+  std::vector<std::string> left_out;
+  Material material =
+      entry.source.is_plain() ? from_mtl(entry.source, folder) : from_exported_mtl(entry.source, folder, left_out);
+  entry.index = add(std::move(material), entry.source.location, left_out);
   return entry.index;
 }
 

@@ -24,8 +24,8 @@ class MaterialLibrary {
   std::vector<std::string> notes;            ///< one line a material: its place and how it was understood
   std::vector<std::filesystem::path> files;  ///< read so far, textures excepted
 
-  /// Adds a material and the note of it; returns its index in `materials`.
-  std::uint32_t add(Material material, const std::string& location);
+  /// Adds a material and the note of it, with what was left out of it; returns its index in `materials`.
+  std::uint32_t add(Material material, const std::string& location, const std::vector<std::string>& left_out = {});
 
   /// What has no material: lambertian grey (0.5).
   std::uint32_t default_material(const std::string& location);
@@ -46,12 +46,29 @@ class MaterialLibrary {
     std::filesystem::path path;
     std::map<std::string, MtlEntry> entries;  // by name
   };
+  // Of plain materials, in mtl_material.cpp.
   Material from_mtl(const MtlMaterial& source, const std::filesystem::path& folder);
+  float mtl_fuzz(const MtlMaterial& source);
   Texture mtl_color(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise);
-  Texture mtl_texture(const MtlMaterial& source, const std::filesystem::path& folder);
+  Texture mtl_texture(const MtlMaterial& source, const MtlMap& map, const std::filesystem::path& folder);
+  Texture mtl_color_or_texture(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise,
+                               const MtlMap& map, const std::filesystem::path& folder);
+  // Of those that exporters say more of, in mtl_exported.cpp.
+  Material from_exported_mtl(const MtlMaterial& source, const std::filesystem::path& folder,
+                             std::vector<std::string>& left_out);
+  struct MtlPicture {
+    float mean = 0.0f;  // of the numbers in the file, in [0, 1]
+    bool is_mostly_black = false;
+  };
+  const MtlPicture& mtl_picture(const std::filesystem::path& file, const std::string& name);
+  std::optional<float> mtl_share(const std::optional<float>& number, const MtlMap& map,
+                                 const std::filesystem::path& folder);
+  Texture mtl_emission(const MtlMaterial& source, const std::filesystem::path& folder,
+                       std::vector<std::string>& left_out);
 
   std::vector<MtlFile> mtl_files_;
-  std::map<std::filesystem::path, std::size_t> mtl_number_;  // by canonical path
+  std::map<std::filesystem::path, std::size_t> mtl_number_;   // by canonical path
+  std::map<std::filesystem::path, MtlPicture> mtl_pictures_;  // by canonical path
   std::optional<std::uint32_t> default_;
 };
 

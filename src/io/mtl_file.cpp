@@ -62,6 +62,7 @@ class MtlReader {
       text.remove_prefix(end);
       text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(text.size(), 1));
     }
+    for (MtlMaterial& material : materials_) check_index(material);
     return std::move(materials_);
   }
 
@@ -77,7 +78,8 @@ class MtlReader {
   }
 
   void statement(std::string_view line) {
-    if (line.empty() || line[0] == '#') return;
+    if (line.empty()) return;
+    if (line[0] == '#') return comment(line);
     const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
     const std::string keyword(line.substr(0, end));
     const std::string_view rest = trimmed(line.substr(end));
@@ -88,6 +90,15 @@ class MtlReader {
     } else if (!skipping_) {
       property(materials_.back(), keyword, rest);
     }
+  }
+
+  /// "# Blender MTL File: 'desk.blend'", and from 3.1 on "# Blender 3.1.0 MTL File: 'desk.blend'".
+  void comment(std::string_view line) {
+    constexpr std::string_view blender = "# Blender";
+    if (!materials_.empty() || !line.starts_with(blender)) return;
+    const std::string_view rest = trimmed(line.substr(blender.size()));
+    const bool has_number = !rest.empty() && rest[0] >= '3' && rest[0] <= '9' && !rest.starts_with("3D");
+    writer_ = has_number ? MtlWriter::blender_with_number : MtlWriter::blender;
   }
 
   void new_material(std::string name) {
@@ -102,6 +113,20 @@ class MtlReader {
     materials_.emplace_back();
     materials_.back().name = std::move(name);
     materials_.back().location = location();
+    materials_.back().writer = writer_;
+  }
+
+  void check_index(MtlMaterial& material) {
+    if (!material.ni || *material.ni > 0.0f) return;
+    if (material.is_plain()) {
+      throw Error(ErrorKind::input, material.ni_place,
+                  "found " + in_quotes(number_text(*material.ni)) + ", expected an index of refraction above 0");
+    }
+    if (warned_.insert("Ni 0").second) {
+      warnings_.push_back(material.ni_place + ": Ni " + number_text(*material.ni) +
+                          " is no index of refraction and left out");
+    }
+    material.ni.reset();
   }
 
   void property(MtlMaterial& material, const std::string& keyword, std::string_view rest) {
@@ -115,28 +140,75 @@ class MtlReader {
       material.ns = number(rest);
     } else if (keyword == "Ni") {
       material.ni = number(rest);
-      if (!(*material.ni > 0.0f)) fail(rest, "an index of refraction above 0");
+      material.ni_place = location();
     } else if (keyword == "illum") {
       const float value = number(rest);
       if (value != std::floor(value) || value < 0.0f || value > 10.0f) fail(rest, "an integer from 0 to 10");
       material.illum = static_cast<int>(value);
-    } else if (keyword == "map_Kd") {
-      material.map_kd = map_file(keyword, rest);
-      material.map_kd_place = location();
+    } else if (std::optional<float>* share = share_of(material, keyword)) {
+      *share = clamped_share(material, keyword, rest);
+    } else if (keyword == "Tf") {
+      material.tf = color(keyword, rest);
+    } else if (keyword == "Ka") {
+      material.ka = ambient(rest);
+    } else if (MtlMap* map = map_of(material, keyword)) {
+      *map = {map_file(keyword, rest), location()};
     } else if (!changes_nothing(keyword, rest)) {
+      material.has_map_d = material.has_map_d || keyword == "map_d";
       warn_once(keyword, in_quotes(keyword) + " is not understood and left out");
     }
   }
 
-  /// Ambient light is not modelled, and d 1, Tr 0 and Tf 1 1 1 are the defaults.
+  static std::optional<float>* share_of(MtlMaterial& material, const std::string& keyword) {
+    if (keyword == "Pr") return &material.pr;
+    if (keyword == "Pm") return &material.pm;
+    if (keyword == "d") return &material.d;
+    return keyword == "Tr" ? &material.tr : nullptr;
+  }
+
+  static MtlMap* map_of(MtlMaterial& material, const std::string& keyword) {
+    if (keyword == "map_Kd") return &material.map_kd;
+    if (keyword == "map_Ks") return &material.map_ks;
+    if (keyword == "map_Ke") return &material.map_ke;
+    if (keyword == "map_Pr") return &material.map_pr;
+    return keyword == "map_Pm" ? &material.map_pm : nullptr;
+  }
+
+  /// Pictures of ambient light are not modelled, and 0 is the default of the layers over a surface; how rough a coat is
+  /// and how the grain runs means nothing without them.
   static bool changes_nothing(const std::string& keyword, std::string_view rest) {
+    if (keyword == "map_Ka" || keyword == "Pcr" || keyword == "anisor") return true;
     const auto words = values_of(rest);
-    const auto all_are = [&](float value) {
-      return std::all_of(words.begin(), words.end(), [&](std::string_view w) { return number_in(w) == value; });
-    };
-    if (keyword == "Ka" || keyword == "map_Ka") return true;
-    if (keyword == "d" || keyword == "Tf") return all_are(1.0f);
-    return keyword == "Tr" && all_are(0.0f);
+    return (keyword == "Ps" || keyword == "Pc" || keyword == "aniso") &&
+           std::all_of(words.begin(), words.end(), [](std::string_view w) { return number_in(w) == 0.0f; });
+  }
+
+  float clamped_share(const MtlMaterial& material, const std::string& keyword, std::string_view rest) {
+    constexpr std::string_view halo = "-halo";  // opaque at the silhouette
+    if (keyword == "d" && rest.starts_with(halo)) {
+      warn_once("-halo", "option " + in_quotes(halo) + " of d is left out");
+      rest = trimmed(rest.substr(halo.size()));
+    }
+    const float value = number(rest);
+    const float clamped = std::clamp(value, 0.0f, 1.0f);
+    if (clamped != value) {
+      warnings_.push_back(location() + ": material " + in_quotes(material.name) + " has " + keyword + " " +
+                          number_text(value) + ", clamped to " + number_text(clamped));
+    }
+    return clamped;
+  }
+
+  /// Ambient light is not modelled; what its colour tells of metals in files of Blender is not worth an error.
+  static std::optional<Rgb> ambient(std::string_view rest) {
+    const auto words = values_of(rest);
+    if (words.size() != 3 && words.size() != 1) return std::nullopt;
+    Rgb value;
+    for (int i = 0; i < 3; ++i) {
+      const auto channel = number_in(words[words.size() == 1 ? 0 : static_cast<std::size_t>(i)]);
+      if (!channel || *channel < 0.0f) return std::nullopt;
+      value[i] = *channel;
+    }
+    return value;
   }
 
   float number(std::string_view rest) const {
@@ -192,11 +264,18 @@ class MtlReader {
   std::vector<MtlMaterial> materials_;
   std::map<std::string, int> line_of_;  // by name of the material
   std::set<std::string> warned_;
+  MtlWriter writer_ = MtlWriter::unknown;
   bool skipping_ = false;  // inside a material whose name was taken
   int line_ = 0;
 };
 
 }  // namespace
+
+bool MtlMaterial::is_plain() const {
+  const int model = illum.value_or(2);
+  return !d && !tr && !tf && !pr && !pm && (model < 4 || model == 6 || model == 10) && !map_ks && !map_ke && !map_pr &&
+         !map_pm;
+}
 
 std::vector<MtlMaterial> read_mtl(const std::filesystem::path& file, std::vector<std::string>& warnings) {
   return MtlReader(file, warnings).read(read_file(file));

@@ -1,5 +1,6 @@
-// What the statements of an MTL file mean: illum 3 is metal (Ks, fuzz = 1 - Ns / 1000), illum 6 a dielectric (Ni),
-// and all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place).
+// What the statements of an MTL file mean in a plain material: illum 3 is metal (Ks, fuzz = 1 - Ns / 1000), illum 6 a
+// dielectric (Ni), and all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place). What exporters add
+// to it, such as d, Pr and Pm, makes a material that mtl_exported.cpp reads.
 #include <algorithm>
 
 #include "material_library.hpp"
@@ -18,18 +19,34 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
   return Texture::solid_color(albedo);
 }
 
-Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const std::filesystem::path& folder) {
-  const auto file = named_files.find(folder, source.map_kd, "texture", source.map_kd_place, warnings);
+Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const MtlMap& map,
+                                     const std::filesystem::path& folder) {
+  const auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
   if (!file) {
-    warnings.push_back(source.map_kd_place + ": texture " + in_quotes(source.map_kd) + " of material " +
-                       in_quotes(source.name) + " is missing: magenta in its place");
+    warnings.push_back(map.place + ": texture " + in_quotes(map.file) + " of material " + in_quotes(source.name) +
+                       " is missing: magenta in its place");
     return Texture::solid_color(Rgb(1.0f, 0.0f, 1.0f));
   }
   Texture texture;
   texture.kind = Texture::Kind::image;
-  texture.image = textures.load(*file, source.map_kd);
-  check_albedo(textures.images()[texture.image], source.map_kd_place);
+  texture.image = textures.load(*file, map.file);
+  check_albedo(textures.images()[texture.image], map.place);
   return texture;
+}
+
+Texture MaterialLibrary::mtl_color_or_texture(const MtlMaterial& source, const std::optional<Rgb>& color,
+                                              const Rgb& otherwise, const MtlMap& map,
+                                              const std::filesystem::path& folder) {
+  return map ? mtl_texture(source, map, folder) : mtl_color(source, color, otherwise);
+}
+
+float MaterialLibrary::mtl_fuzz(const MtlMaterial& source) {
+  const float ns = source.ns.value_or(1000.0f);
+  if (ns < 0.0f || ns > 1000.0f) {
+    warnings.push_back(source.location + ": material " + in_quotes(source.name) + " has Ns " + number_text(ns) +
+                       ", clamped to 0 ... 1000");
+  }
+  return static_cast<float>(1.0 - std::clamp(double{ns}, 0.0, 1000.0) / 1000.0);
 }
 
 Material MaterialLibrary::from_mtl(const MtlMaterial& source, const std::filesystem::path& folder) {
@@ -44,8 +61,8 @@ Material MaterialLibrary::from_mtl(const MtlMaterial& source, const std::filesys
   if (emits && (illum == 3 || illum == 6)) {
     warn("has illum " + std::to_string(illum) + ": its Ke " + color_text(*source.ke) + " is left out");
   }
-  if (!source.map_kd.empty() && (emits || illum == 3 || illum == 6)) {
-    warn("is not lambertian: its map_Kd " + in_quotes(source.map_kd) + " is left out");
+  if (source.map_kd && (emits || illum == 3 || illum == 6)) {
+    warn("is not lambertian: its map_Kd " + in_quotes(source.map_kd.file) + " is left out");
   }
 
   Material material;
@@ -53,19 +70,15 @@ Material MaterialLibrary::from_mtl(const MtlMaterial& source, const std::filesys
   if (illum == 3) {
     material.kind = Material::Kind::metal;
     material.color = mtl_color(source, source.ks, Rgb(1.0f));
-    const float ns = source.ns.value_or(1000.0f);
-    if (ns < 0.0f || ns > 1000.0f) warn("has Ns " + number_text(ns) + ", clamped to 0 ... 1000");
-    material.fuzz = static_cast<float>(1.0 - std::clamp(double{ns}, 0.0, 1000.0) / 1000.0);
+    material.fuzz = mtl_fuzz(source);
   } else if (illum == 6) {
     material.kind = Material::Kind::dielectric;
     material.index = source.ni.value_or(material.index);
   } else if (emits) {
     material.kind = Material::Kind::diffuse_light;
     material.color = Texture::solid_color(*source.ke);
-  } else if (!source.map_kd.empty()) {
-    material.color = mtl_texture(source, folder);
   } else {
-    material.color = mtl_color(source, source.kd, Rgb(0.5f));
+    material.color = mtl_color_or_texture(source, source.kd, Rgb(0.5f), source.map_kd, folder);
   }
   return material;
 }

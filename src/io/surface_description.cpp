@@ -28,8 +28,9 @@ float fuzz_of_roughness(float roughness) {
 
 Material nearest_material(const SurfaceDescription& surface, std::vector<std::string>& left_out) {
   const bool emits = !is_solid(surface.emission, Rgb(0.0f));
-  const auto part = [&](const char* what, float value) {
-    left_out.push_back(std::string(what) + " (" + number_text(value) + ")");
+  const auto part = [&](const std::string& what, float value) {
+    // In thousandths, as 1 - 0.9 is 0.100000024.
+    left_out.push_back(what + number_text(std::round(1000.0f * value) / 1000.0f) + ")");
   };
   Material material;
   material.name = surface.name;
@@ -39,25 +40,25 @@ Material nearest_material(const SurfaceDescription& surface, std::vector<std::st
     if (!is_solid(surface.base_color, Rgb(0.0f))) left_out.emplace_back("what it reflects");
     return material;
   }
-  if (surface.metallic >= 0.5f) {
+  if (surface.is_metal()) {
     material.kind = Material::Kind::metal;
     material.color = surface.base_color;
     material.fuzz = fuzz_of_roughness(surface.roughness);
-    if (surface.metallic < 1.0f) part("its part that is no metal", 1.0f - surface.metallic);
+    if (surface.metallic < 1.0f) part("its part that is no metal (", 1.0f - surface.metallic);
     return material;
   }
-  if (surface.transmission >= 0.5f) {
+  if (surface.is_clear()) {
     material.kind = Material::Kind::dielectric;
     material.index = surface.index;
     if (!is_solid(surface.base_color, Rgb(1.0f))) left_out.emplace_back("its tint");
-    if (surface.roughness > 0.0f) part("its roughness", surface.roughness);
-    if (surface.transmission < 1.0f) part("its part that is not clear", 1.0f - surface.transmission);
+    if (surface.roughness > 0.0f) part("its roughness (", surface.roughness);
+    if (surface.transmission < 1.0f) part("its part that is not clear (", 1.0f - surface.transmission);
     return material;
   }
   material.color = surface.base_color;
-  if (surface.metallic > 0.0f) part("its metallic part", surface.metallic);
-  if (surface.transmission > 0.0f) part("its transmission", surface.transmission);
-  if (surface.roughness < 1.0f) part("its gloss: roughness", surface.roughness);
+  if (surface.metallic > 0.0f) part("its metallic part (", surface.metallic);
+  if (surface.transmission > 0.0f) part("its transmission (", surface.transmission);
+  if (surface.roughness < 1.0f) part("its gloss (roughness ", surface.roughness);
   return material;
 }
 

@@ -16,6 +16,10 @@ struct SurfaceDescription {
   float transmission = 0.0f;                             ///< in [0, 1]: how much of a dielectric's light goes through
   float index = 1.5f;                                    ///< of refraction, > 0
   Texture emission = Texture::solid_color(Rgb(0.0f));    ///< radiance
+
+  bool is_metal() const { return metallic >= 0.5f; }
+  /// Seen only where it is no metal.
+  bool is_clear() const { return transmission >= 0.5f; }
 };
 
 /// The nearest of the materials there are. What of the description it cannot show is added to `left_out`, each as a
