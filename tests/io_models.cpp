@@ -85,6 +85,11 @@ TEST_CASE("a model without a light gets a sky and a key light that is out of vie
   const LoadedScene lit = load_scene(folder.write("lit.obj", "mtllib lamp.mtl\nusemtl lamp\n" + kTriangle));
   CHECK(lit.scene.environment.is_black());
   CHECK(lit.scene.geometry.spheres.empty());
+  // A screen does not light the model that it is part of.
+  folder.write("lamp.mtl", "newmtl lamp\nKe 0.2 0.2 0.2\n");
+  const LoadedScene dim = load_scene(folder / "lit.obj");
+  CHECK_FALSE(dim.scene.environment.is_black());
+  CHECK(dim.text.find("little light of its own") != std::string::npos);
 }
 
 TEST_CASE("the scene made for a model reads back as the same scene from any folder", "[unit]") {
@@ -101,6 +106,21 @@ TEST_CASE("the scene made for a model reads back as the same scene from any fold
   options.model.folder = folder / "sub";
   const LoadedScene beside = load_scene(model, options);
   CHECK(load_scene(folder.write("sub/scene.toml", beside.text)).scene.geometry.triangle_count() == 1);
+}
+
+TEST_CASE("a model is framed in the shape of the picture", "[unit]") {
+  InputFolder folder;
+  const auto model = folder.write("long.obj", box_text(vec3(0), vec3(10, 1, 1)));
+  const auto distance = [&](int width, int height) {
+    LoadOptions options;
+    options.model.width = width;
+    options.model.height = height;
+    const LoadedScene loaded = load_scene(model, options);
+    CHECK(loaded.scene.render.width == width);
+    CHECK(loaded.scene.render.height == height);
+    return glm::length(loaded.camera.look_from - loaded.camera.look_at);
+  };
+  CHECK(distance(100, 100) > 1.2f * distance(200, 100));
 }
 
 TEST_CASE("--up turns a model and --ground puts a ground under it; neither is for scenes", "[unit]") {

@@ -41,9 +41,6 @@ TEST_CASE("indices that are zero, out of range or no integers are refused", "[un
               {kTriangle + "f 1 2 -0\n", 4, {"found \"-0\""}},
               {kTriangle + "f 0/1 2 3\n", 4, {"found \"0/1\""}},
               {kTriangle + "vn 0 0 1\nf 1//1 2//0 3//1\n", 5, {"found \"2//0\""}},
-              {kTriangle + "vn 0 0 1\nf 1//1 2//2 3//1\n", 5, {"found \"2\"", "normal index from 1 to 1"}},
-              {kTriangle + "f 1//1 2//1 3//1\n", 4, {"found \"1\"", "no normal index"}},
-              {kTriangle + "vt 0 0\nf 1/1 2/1 3/-2\n", 5, {"found \"-2\"", "texture coordinate"}},
               {kTriangle + "vt 0 0\nf 1/0 2/1 3/1\n", 5, {"found \"1/0\""}},
               {kTriangle + "f 1 2 99999999999\n", 4, {"found \"99999999999\""}},
               {kTriangle + "f 1 2 4294967297\n", 4, {"found \"4294967297\""}},
@@ -54,6 +51,19 @@ TEST_CASE("indices that are zero, out of range or no integers are refused", "[un
               // A vertex that is defined only after the face.
               {"v 0 0 0\nv 1 0 0\nf 1 2 3\nv 0 1 0\n", 3, {"found \"3\"", "from 1 to 2"}},
               {"f 1 2 3\n", 1, {"found \"1\"", "none is defined before"}}});
+}
+
+TEST_CASE("corners whose normals or texture coordinates are not there have none, with a warning", "[unit]") {
+  InputFolder folder;
+  const std::string corners = "vt 0.5 0.5\nvn 1 0 0\nf 1/1/1 2/2/1 3/1/-2\nf 1/7/1 2/1/1 3/1/1\n";
+  const ObjMesh read = folder.obj(kTriangle + corners);
+  CHECK(any_line(read.warnings, folder.at("mesh.obj:6"), {"texture coordinates", "left out: 2, the first here"}));
+  CHECK(any_line(read.warnings, folder.at("mesh.obj:6"), {"normals", "left out: 1, the first here"}));
+  REQUIRE(read.mesh.triangles.size() == 2);
+  CHECK(read.mesh.texcoords[read.mesh.texcoord_corners(0).y] == vec2(0.0f));
+  CHECK(read.mesh.texcoords[read.mesh.texcoord_corners(0).x] == vec2(0.5f));
+  CHECK(read.mesh.normals[read.mesh.normal_corners(0).z] == vec3(0, 0, 1));
+  CHECK(read.mesh.normals[read.mesh.normal_corners(0).x] == vec3(1, 0, 0));
 }
 
 TEST_CASE("vertices, normals and texture coordinates that are not finite are refused", "[unit]") {

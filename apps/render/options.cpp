@@ -54,6 +54,15 @@ LoadOptions PictureCommand::load_options() const {
   options.overrides = overrides;
   if (!up.empty()) options.model.up = up.front();
   options.model.ground = ground;
+  // The model is framed in the shape of the picture; sizes that make none are told of where the session's are checked.
+  ModelOptions& model = options.model;
+  const double aspect = static_cast<double>(model.width) / model.height;
+  const double wide = width ? *width : height ? std::round(*height * aspect) : model.width;
+  const double high = height ? *height : width ? std::round(*width / aspect) : model.height;
+  if (wide >= 1.0 && high >= 1.0 && wide * high <= static_cast<double>(kMostPixels)) {
+    model.width = static_cast<int>(wide);
+    model.height = static_cast<int>(high);
+  }
   return options;
 }
 

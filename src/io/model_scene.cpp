@@ -9,7 +9,6 @@
 namespace raylab {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;
 constexpr double kFieldOfView = 30.0;  // degrees, vertical
 constexpr double kMargin = 1.08;       // of the distance at which the model touches the picture's edge
 
@@ -45,7 +44,7 @@ struct View {
   double distance;  ///< of the eye from the centre
 };
 
-View view_of(const TriangleMesh& mesh, char up) {
+View view_of(const TriangleMesh& mesh, char up, double aspect) {
   dvec3 lower(INFINITY), upper(-INFINITY);
   const auto for_each_point = [&](const auto& visit) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -67,7 +66,7 @@ View view_of(const TriangleMesh& mesh, char up) {
   view.right = glm::normalize(glm::cross(dvec3(0.0, 1.0, 0.0), view.back));
   view.up = glm::cross(view.back, view.right);
   const double half_height = std::tan(0.5 * kFieldOfView * 3.14159265358979323846 / 180.0);
-  const double half_width = half_height * kWidth / kHeight;
+  const double half_width = half_height * aspect;
   view.distance = 0.01 * view.radius;
   for_each_point([&](const dvec3& p) {
     const dvec3 v = p - view.center;
@@ -76,6 +75,21 @@ View view_of(const TriangleMesh& mesh, char up) {
     view.distance = std::max(view.distance, glm::dot(v, view.back) + kMargin * across);
   });
   return view;
+}
+
+/// How brightly the model's own lights light it: the light that they give off over what a sphere around the model
+/// receives where the radiance is 1 all around.
+double own_light(const MeshWithMaterials& model, const MaterialLibrary& library, double radius) {
+  double power = 0.0;
+  for (std::uint32_t i = 0; i < model.mesh.triangles.size(); ++i) {
+    if (library.materials.empty() || !is_valid_triangle(model.mesh, i)) continue;
+    const Material& material = library.materials[model.materials.of(i)];
+    if (material.kind != Material::Kind::diffuse_light) continue;
+    const Triangle t = triangle_corners(model.mesh, i);
+    const double area = 0.5 * glm::length(glm::cross(dvec3(t.p1) - dvec3(t.p0), dvec3(t.p2) - dvec3(t.p0)));
+    power += area * static_cast<double>(mean_luminance(material.color, library.textures.images()));
+  }
+  return power / (4.0 * 3.14159265358979323846 * radius * radius);
 }
 
 std::string in_toml(const std::string& text) {
@@ -89,29 +103,32 @@ std::string in_toml(const std::string& text) {
 
 }  // namespace
 
-std::string model_scene_text(const MeshWithMaterials& model, bool has_light, FileKind kind, const std::string& name,
-                             const ModelOptions& options) {
+std::string model_scene_text(const MeshWithMaterials& model, const MaterialLibrary& library, FileKind kind,
+                             const std::string& name, const ModelOptions& options) {
   const char up = options.up != '\0' ? options.up : kind == FileKind::stl ? 'z' : 'y';
-  const View view = view_of(model.mesh, up);
+  const View view = view_of(model.mesh, up, static_cast<double>(options.width) / options.height);
   const RoundedNumbers number(view.radius);
   const dvec3 eye = view.center + view.distance * view.back;
 
   std::string text = "[camera]\nlook_from = " + number(eye) + "\nlook_at = " + number(view.center) +
                      "\nup = [0, 1, 0]\nvfov = " + number_text(kFieldOfView) +
-                     "\n\n[render]\nwidth = " + std::to_string(kWidth) + "\nheight = " + std::to_string(kHeight) +
-                     "\nsamples_per_pixel = 16\nmax_depth = 12\n\n";
+                     "\n\n[render]\nwidth = " + std::to_string(options.width) +
+                     "\nheight = " + std::to_string(options.height) + "\nsamples_per_pixel = 16\nmax_depth = 12\n\n";
   text += "[[mesh]]\nfile = " + in_toml(name) + "\n";
   if (up != 'y') text += std::string("up = \"") + up + "\"  # the file's axis that points up\n";
   if (model.mesh.normals.empty() && kind != FileKind::gltf) {
     text += "smooth = 30  # degrees: the file has no normals; faces that meet at less are shaded as one surface\n";
   }
-  if (!has_light) {
+  // A room's lamps light it (the Cornell box has 0.06); a screen or a lit lamp does not show the model around it.
+  constexpr double kEnough = 0.04;
+  const double own = own_light(model, library, view.radius);
+  if (own < kEnough) {
     // The sky alone shows a white surface at 0.5, and the key light adds 0.8 where it falls straight on.
     const dvec3 direction = glm::normalize(-0.6 * view.right + 0.9 * view.up + 0.5 * view.back);
     const double distance = 6.0 * view.radius;
-    text +=
-        "\n[background]  # a soft sky, as the model has no light\nbottom = [0.35, 0.35, 0.37]\ntop = [0.45, 0.55, "
-        "0.7]\n";
+    text += "\n[background]  # a soft sky, as the model has " + std::string(own > 0.0 ? "little" : "no") +
+            " light of its own\nbottom = [0.35, 0.35, 0.37]\ntop = [0.45, 0.55, "
+            "0.7]\n";
     text += "\n[material.key-light]\ntype = \"diffuse_light\"\nradiance = [45, 42, 38]\n";
     text +=
         "\n[[sphere]]  # a key light, from the left and above\ncenter = " + number(view.center + distance * direction) +

@@ -59,6 +59,8 @@ class ObjBuilder {
 
     faces_.finish(library_.warnings, file_.string(),
                   [&](std::size_t line) { return file_.string() + ":" + std::to_string(line); });
+    warn_of_absent(absent_texcoords_, "texture coordinates");
+    warn_of_absent(absent_normals_, "normals");
     return {std::move(mesh_), materials_.finish(library_)};
   }
 
@@ -80,26 +82,43 @@ class ObjBuilder {
     mesh_.texcoords.push_back(uv);
   }
 
-  /// From an index of the file, from 1 up or from -1 down; 0 when it was left out.
-  std::uint32_t resolved(int index, std::size_t count, const char* what) const {
-    if (index == 0) return kNone;
+  /// From an index of the file, from 1 up or from -1 down; kNone when it is out of range.
+  static std::uint32_t resolved(int index, std::size_t count) {
     const auto size = static_cast<std::int64_t>(count);
     const std::int64_t at = index > 0 ? std::int64_t{index} - 1 : size + index;
-    if (at < 0 || at >= size) {
-      const std::string last = std::to_string(count);
-      source_.fail(std::to_string(index),
-                   count == 0 ? "no " + std::string(what) + " index, as none is defined before this line"
-                              : "a " + std::string(what) + " index from 1 to " + last + " or from -1 to -" + last);
-    }
-    return static_cast<std::uint32_t>(at);
+    return index == 0 || at < 0 || at >= size ? kNone : static_cast<std::uint32_t>(at);
   }
 
-  FaceBuilder::Corner corner(const tinyobj::index_t& i) const {
+  std::uint32_t vertex_of(int index) const {
+    const std::size_t count = mesh_.positions.size();
+    const std::uint32_t at = resolved(index, count);
+    if (at != kNone) return at;
+    const std::string last = std::to_string(count);
+    source_.fail(std::to_string(index), count == 0 ? "no vertex index, as none is defined before this line"
+                                                   : "a vertex index from 1 to " + last + " or from -1 to -" + last);
+  }
+
+  /// A corner is drawn without an attribute that it names and the file lacks: files that renumber their texture
+  /// coordinates badly are not rare.
+  std::uint32_t attribute_of(int index, std::size_t count, Tally& absent) const {
+    const std::uint32_t at = resolved(index, count);
+    if (at == kNone && index != 0) absent.add(line());
+    return at;
+  }
+
+  FaceBuilder::Corner corner(const tinyobj::index_t& i) {
     FaceBuilder::Corner c{};
-    c.position = resolved(i.vertex_index, mesh_.positions.size(), "vertex");
-    c.texcoord = resolved(i.texcoord_index, mesh_.texcoords.size(), "texture coordinate");
-    c.normal = resolved(i.normal_index, mesh_.normals.size(), "normal");
+    c.position = vertex_of(i.vertex_index);
+    c.texcoord = attribute_of(i.texcoord_index, mesh_.texcoords.size(), absent_texcoords_);
+    c.normal = attribute_of(i.normal_index, mesh_.normals.size(), absent_normals_);
     return c;
+  }
+
+  void warn_of_absent(const Tally& absent, const char* what) {
+    if (absent.count == 0) return;
+    library_.warnings.push_back(file_.string() + ":" + std::to_string(absent.first) + ": indices of " + what +
+                                " that the file does not hold before their line, left out: " +
+                                std::to_string(absent.count) + ", the first here");
   }
 
   void face(std::span<const tinyobj::index_t> indices) {
@@ -130,6 +149,7 @@ class ObjBuilder {
   ObjMaterials materials_;
   ObjSource source_;
   std::set<std::string> warned_;
+  Tally absent_texcoords_, absent_normals_;
   std::vector<FaceBuilder::Corner> corners_;  // of the face at hand; kept to save allocations
 };
 

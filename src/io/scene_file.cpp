@@ -1,6 +1,5 @@
 #include "raylab/io/scene_file.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "file_bytes.hpp"
@@ -57,10 +56,8 @@ FileKind kind_of(const std::filesystem::path& file) { return is_file(file) ? mod
 std::string made_scene(const std::filesystem::path& file, FileKind kind, const std::filesystem::path& folder,
                        const MaterialLibrary& library, MeshFiles& models, const ModelOptions& options) {
   const MeshWithMaterials& model = models.read(file, kind, false);
-  const bool has_light = std::any_of(library.materials.begin(), library.materials.end(),
-                                     [](const Material& m) { return m.kind == Material::Kind::diffuse_light; });
   const std::filesystem::path name = std::filesystem::proximate(file, folder.empty() ? "." : folder);
-  return model_scene_text(model, has_light, kind, name.generic_string(), options);
+  return model_scene_text(model, library, kind, name.generic_string(), options);
 }
 
 }  // namespace

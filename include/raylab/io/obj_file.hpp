@@ -27,8 +27,9 @@ struct ObjOptions {
 /// fewer than three distinct corners are left out with a warning. A mesh has normals or texture coordinates when
 /// some face has; the other faces then get their geometric normal, or (0, 0). Faces without a material, or with
 /// one that no MTL file defines, are lambertian grey (0.5); what is missing is named in a warning, and a missing
-/// texture is magenta. Indices that are out of range, numbers that are none and vertices that are not finite are
-/// errors with file:line. Throws Error (input).
+/// texture is magenta. A corner whose normal or texture coordinate is not there has none, with a warning. Indices of
+/// vertices that are out of range, numbers that are none and vertices that are not finite are errors with file:line.
+/// Throws Error (input).
 ObjMesh read_obj(const std::filesystem::path& file, const ObjOptions& options = {});
 
 }  // namespace raylab

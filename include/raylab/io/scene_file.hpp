@@ -13,6 +13,8 @@ namespace raylab {
 struct ModelOptions {
   char up = '\0';       ///< 'x', 'y' or 'z': the file's axis that points up; 0: z for STL, else y
   bool ground = false;  ///< put something under it
+  int width = 640;      ///< of the picture in pixels
+  int height = 480;
   /// The folder that the made scene's paths are relative to; empty: the model's.
   std::filesystem::path folder;
 };
