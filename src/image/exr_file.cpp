@@ -176,8 +176,9 @@ std::int64_t lines_of(Imf::Compression compression) {
 /// Throws where reading the pixels would take more memory than such a file may, before any is asked for.
 void check_memory(const Imf::Header& header, const fs::path& file) {
   const Size data = size_of(header.dataWindow()), display = size_of(header.displayWindow());
-  detail::check_budget(data.width, data.height, file);
-  detail::check_budget(display.width, display.height, file);
+  const std::int64_t budget = detail::memory_budget(file);
+  detail::check_budget(data.width, data.height, file, budget);
+  detail::check_budget(display.width, display.height, file, budget);
   std::int64_t bytes = 0;  // of a pixel
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
     bytes += c.channel().type == Imf::HALF ? 2 : 4;
@@ -187,7 +188,7 @@ void check_memory(const Imf::Header& header, const fs::path& file) {
     width = std::max<std::int64_t>(width, header.tileDescription().xSize);
     lines = header.tileDescription().ySize;
   }
-  if (const std::int64_t budget = detail::memory_budget(file); bytes > budget / width / lines) {
+  if (bytes > budget / width / lines) {
     throw Error(ErrorKind::input, file.string(),
                 format("%" PRId64 " lines of %" PRId64 " pixels of %" PRId64
                        " bytes, which are read at a time, exceed this file's budget of %" PRId64 " MiB",

@@ -19,11 +19,19 @@ InputFile open_input(const std::filesystem::path& file);
 /// True when the ending is .exr in any case, or the content begins as an EXR file does. Throws as open_input.
 bool is_exr(const std::filesystem::path& file);
 
-/// Throws Error (input) where a picture of this size, as its file's header says, is beyond the budget of read_image.
-void check_budget(std::int64_t width, std::int64_t height, const std::filesystem::path& file);
+/// A picture of 8 bits a channel that is about to be read, from a file or from memory.
+struct Input8 {
+  InputFile stream;            ///< at its beginning
+  std::filesystem::path name;  ///< for messages
+  std::int64_t budget;         ///< memory_budget of its bytes
+};
 
-/// The bytes that reading the file may take beside the picture itself.
+/// The bytes that reading a picture of so many bytes, or the file, may take beside the picture itself.
+std::int64_t memory_budget(std::uint64_t bytes);
 std::int64_t memory_budget(const std::filesystem::path& file);
+
+/// Throws Error (input) where a picture of this size, as its file's header says, is beyond the budget of read_image.
+void check_budget(std::int64_t width, std::int64_t height, const std::filesystem::path& file, std::int64_t budget);
 
 /// Throws Error (input): "not readable as a picture: REASON".
 [[noreturn]] void fail_reading(const std::filesystem::path& file, const std::string& reason);
@@ -31,11 +39,11 @@ std::int64_t memory_budget(const std::filesystem::path& file);
 /// "R 8-bit", "G 8-bit" and so on, or Y for grey.
 std::vector<std::string> channel_names(bool color, bool alpha, bool is_16_bit);
 
-Image8 read_png(const std::filesystem::path& file);
-Image8 read_jpeg(const std::filesystem::path& file);
+Image8 read_png(Input8 input);
+Image8 read_jpeg(Input8 input);
 ImageInfo read_exr_info(const std::filesystem::path& file);
 ImageInfo read_image8_info(const std::filesystem::path& file);
-ImageInfo read_png_info(const std::filesystem::path& file);
-ImageInfo read_jpeg_info(const std::filesystem::path& file);
+ImageInfo read_png_info(Input8 input);
+ImageInfo read_jpeg_info(Input8 input);
 
 }  // namespace raylab::detail

@@ -1,6 +1,9 @@
 // What pictures of 8 bits a channel have in common, whatever their format.
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "formats.hpp"
 #include "raylab/core/error.hpp"
@@ -11,13 +14,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_png(const fs::path& file) {
-  const detail::InputFile input = detail::open_input(file);
+detail::Input8 open_file(const fs::path& file) { return {detail::open_input(file), file, detail::memory_budget(file)}; }
+
+bool is_png(const detail::Input8& input) {
   std::array<char, 8> start{};
-  const std::string_view read(start.data(), std::fread(start.data(), 1, start.size(), input.get()));
+  const std::string_view read(start.data(), std::fread(start.data(), 1, start.size(), input.stream.get()));
+  std::rewind(input.stream.get());
   if (read == "\x89PNG\r\n\x1a\n") return true;
-  if (!read.starts_with("\xff\xd8")) detail::fail_reading(file, "neither PNG nor JPEG");
+  if (!read.starts_with("\xff\xd8")) detail::fail_reading(input.name, "neither PNG nor JPEG");
   return false;
+}
+
+Image8 read(detail::Input8 input) {
+  return is_png(input) ? detail::read_png(std::move(input)) : detail::read_jpeg(std::move(input));
 }
 
 }  // namespace
@@ -34,10 +43,18 @@ std::vector<std::string> detail::channel_names(bool color, bool alpha, bool is_1
   return names;
 }
 
-Image8 read_image8(const fs::path& file) { return is_png(file) ? detail::read_png(file) : detail::read_jpeg(file); }
+Image8 read_image8(const fs::path& file) { return read(open_file(file)); }
+
+Image8 read_image8(std::string_view bytes, const std::string& name) {
+  // The stream only reads. There is none of no bytes.
+  detail::InputFile stream(bytes.empty() ? nullptr : fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb"));
+  if (!stream) detail::fail_reading(name, bytes.empty() ? "it is empty" : std::strerror(errno));
+  return read({std::move(stream), name, detail::memory_budget(bytes.size())});
+}
 
 ImageInfo detail::read_image8_info(const fs::path& file) {
-  return is_png(file) ? read_png_info(file) : read_jpeg_info(file);
+  Input8 input = open_file(file);
+  return is_png(input) ? read_png_info(std::move(input)) : read_jpeg_info(std::move(input));
 }
 
 }  // namespace raylab

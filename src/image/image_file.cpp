@@ -59,16 +59,18 @@ bool is_exr(const fs::path& file) {
   return magic || lowercase_ending(file) == ".exr";
 }
 
-std::int64_t memory_budget(const fs::path& file) {
+std::int64_t memory_budget(std::uint64_t bytes) {
   constexpr std::int64_t least = std::int64_t{1} << 26, most = std::int64_t{1} << 31;
   constexpr std::int64_t expansion = 1 << 17;  // 1 bit a pixel that deflates to 1/1032 and becomes three floats
-  std::error_code no_size;
-  const auto size = static_cast<std::int64_t>(fs::file_size(file, no_size));
-  return no_size || size > most / expansion ? most : std::max(least, expansion * size);
+  return bytes > most / expansion ? most : std::max(least, expansion * static_cast<std::int64_t>(bytes));
 }
 
-void check_budget(std::int64_t width, std::int64_t height, const fs::path& file) {
-  const std::int64_t budget = memory_budget(file);
+std::int64_t memory_budget(const fs::path& file) {
+  std::error_code no_size;  // which is as a very large one
+  return memory_budget(fs::file_size(file, no_size));
+}
+
+void check_budget(std::int64_t width, std::int64_t height, const fs::path& file, std::int64_t budget) {
   if (width > 0 && height > 0 && width <= budget / static_cast<std::int64_t>(sizeof(Rgb)) / height) return;
   throw Error(ErrorKind::input, file.string(),
               format("a picture of %" PRId64 " x %" PRId64 " pixels is not supported; expected 1 to %" PRId64
@@ -93,9 +95,9 @@ void check_writable_image(const fs::path& file) {
   check_writable(file);
 }
 
-Image read_image(const fs::path& file) {
-  if (detail::is_exr(file)) return read_exr(file);
-  const Image8 encoded = read_image8(file);
+namespace {
+
+Image from_srgb(const Image8& encoded) {
   Image image(encoded.width, encoded.height);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
@@ -104,6 +106,12 @@ Image read_image(const fs::path& file) {
   }
   return image;
 }
+
+}  // namespace
+
+Image read_image(const fs::path& file) { return detail::is_exr(file) ? read_exr(file) : from_srgb(read_image8(file)); }
+
+Image read_image(std::string_view bytes, const std::string& name) { return from_srgb(read_image8(bytes, name)); }
 
 ImageInfo read_image_info(const fs::path& file) {
   return detail::is_exr(file) ? detail::read_exr_info(file) : detail::read_image8_info(file);

@@ -21,7 +21,7 @@ namespace {
 /// libjpeg leaves a function at an error by longjmp, so the two that call it hold nothing that a destructor ends.
 class JpegReader {
  public:
-  explicit JpegReader(const fs::path& file) : JpegReader(file, detail::open_input(file)) {
+  explicit JpegReader(detail::Input8 input) : JpegReader(std::move(input), nullptr) {
     if (!read_header()) refuse();
   }
   ~JpegReader() { jpeg_destroy_decompress(&jpeg_); }
@@ -33,7 +33,7 @@ class JpegReader {
   std::vector<std::string> channels() const { return detail::channel_names(jpeg_.num_components >= 3, false, false); }
 
   std::vector<std::uint8_t> rgb() {
-    detail::check_budget(width(), height(), path_);
+    detail::check_budget(width(), height(), input_.name, input_.budget);
     std::vector<std::uint8_t> pixels(3 * static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
     if (!read_pixels(pixels.data())) refuse();
     return pixels;
@@ -41,7 +41,7 @@ class JpegReader {
 
  private:
   /// Apart, so that the destructor runs where the header is refused.
-  JpegReader(const fs::path& file, detail::InputFile input) : path_(file), file_(std::move(input)) {
+  JpegReader(detail::Input8&& input, std::nullptr_t) : input_(std::move(input)) {
     jpeg_.err = jpeg_std_error(&errors_);
     jpeg_.client_data = this;
     errors_.error_exit = fail;
@@ -72,14 +72,14 @@ class JpegReader {
     std::longjmp(self.at_error_, 1);
   }
 
-  [[noreturn]] void refuse() const { detail::fail_reading(path_, reason_); }
+  [[noreturn]] void refuse() const { detail::fail_reading(input_.name, reason_); }
 
   bool read_header() {
     if (setjmp(at_error_) != 0) return false;
     jpeg_create_decompress(&jpeg_);
     jpeg_.progress = &progress_;
     progress_.progress_monitor = count_scans;
-    jpeg_stdio_src(&jpeg_, file_.get());
+    jpeg_stdio_src(&jpeg_, input_.stream.get());
     jpeg_read_header(&jpeg_, TRUE);
     return true;
   }
@@ -96,8 +96,7 @@ class JpegReader {
     return true;
   }
 
-  const fs::path& path_;
-  detail::InputFile file_;
+  detail::Input8 input_;
   jpeg_decompress_struct jpeg_{};
   jpeg_error_mgr errors_{};
   jpeg_progress_mgr progress_{};
@@ -107,13 +106,13 @@ class JpegReader {
 
 }  // namespace
 
-Image8 detail::read_jpeg(const fs::path& file) {
-  JpegReader jpeg(file);
+Image8 detail::read_jpeg(Input8 input) {
+  JpegReader jpeg(std::move(input));
   return {jpeg.width(), jpeg.height(), jpeg.rgb()};
 }
 
-ImageInfo detail::read_jpeg_info(const fs::path& file) {
-  const JpegReader jpeg(file);
+ImageInfo detail::read_jpeg_info(Input8 input) {
+  const JpegReader jpeg(std::move(input));
   return {jpeg.width(), jpeg.height(), jpeg.channels(), {}};
 }
 

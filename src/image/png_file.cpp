@@ -20,7 +20,7 @@ namespace {
 /// libpng leaves a function at an error by longjmp, so the two that call it hold nothing that a destructor ends.
 class PngReader {
  public:
-  explicit PngReader(const fs::path& file) : PngReader(file, detail::open_input(file)) {
+  explicit PngReader(detail::Input8 input) : PngReader(std::move(input), nullptr) {
     if (!read_header()) refuse();
   }
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
@@ -37,7 +37,7 @@ class PngReader {
   }
 
   std::vector<std::uint8_t> rgb() {
-    detail::check_budget(width(), height(), path_);
+    detail::check_budget(width(), height(), input_.name, input_.budget);
     const std::size_t row_size = 3 * static_cast<std::size_t>(width());
     std::vector<std::uint8_t> pixels(row_size * static_cast<std::size_t>(height()));
     std::vector<png_bytep> rows;
@@ -48,9 +48,8 @@ class PngReader {
 
  private:
   /// Apart, so that the destructor runs where the header is refused.
-  PngReader(const fs::path& file, detail::InputFile input)
-      : path_(file),
-        file_(std::move(input)),
+  PngReader(detail::Input8&& input, std::nullptr_t)
+      : input_(std::move(input)),
         png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, fail, ignore)),
         info_(png_ != nullptr ? png_create_info_struct(png_) : nullptr) {
     if (info_ == nullptr) throw std::bad_alloc();
@@ -62,11 +61,11 @@ class PngReader {
   }
   static void ignore(png_structp /*png*/, png_const_charp /*warning*/) {}
 
-  [[noreturn]] void refuse() const { detail::fail_reading(path_, reason_); }
+  [[noreturn]] void refuse() const { detail::fail_reading(input_.name, reason_); }
 
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_init_io(png_, file_.get());
+    png_init_io(png_, input_.stream.get());
     png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_set_benign_errors(png_, 0);                                          // the checksum of all pixels among them
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // nor what is known but does not matter
@@ -88,8 +87,7 @@ class PngReader {
     return true;
   }
 
-  const fs::path& path_;
-  detail::InputFile file_;
+  detail::Input8 input_;
   png_structp png_;
   png_infop info_;
   std::string reason_;
@@ -135,13 +133,13 @@ void write_png(const fs::path& file, const Image& image) {
   output.commit();
 }
 
-Image8 detail::read_png(const fs::path& file) {
-  PngReader png(file);
+Image8 detail::read_png(Input8 input) {
+  PngReader png(std::move(input));
   return {png.width(), png.height(), png.rgb()};
 }
 
-ImageInfo detail::read_png_info(const fs::path& file) {
-  const PngReader png(file);
+ImageInfo detail::read_png_info(Input8 input) {
+  const PngReader png(std::move(input));
   return {png.width(), png.height(), png.channels(), {}};
 }
 

@@ -24,17 +24,21 @@ void check_texels(const TextureImage& image, const std::filesystem::path& file) 
 
 }  // namespace
 
-TextureImage read_texture(const std::filesystem::path& file, const std::string& name) {
+TextureImage make_texture(Image image, const std::string& name) {
   TextureImage texture;
   texture.name = name;
-  Image image = read_image(file);
   texture.width = image.width;
   texture.height = image.height;
   texture.texels = std::move(image.pixels);
-  check_texels(texture, file);
   dvec3 sum(0.0);
   for (const Rgb& texel : texture.texels) sum += dvec3(texel);
   texture.mean = Rgb(sum / static_cast<double>(std::max<std::size_t>(texture.texels.size(), 1)));
+  return texture;
+}
+
+TextureImage read_texture(const std::filesystem::path& file, const std::string& name) {
+  TextureImage texture = make_texture(read_image(file), name);
+  check_texels(texture, file);
   return texture;
 }
 
@@ -55,6 +59,12 @@ std::uint32_t TextureFiles::load(const std::filesystem::path& file, const std::s
     files_.push_back(file);
   }
   return entry->second;
+}
+
+std::uint32_t TextureFiles::add(const std::string& key, const std::function<TextureImage()>& make) {
+  if (const auto known = made_.find(key); known != made_.end()) return known->second;
+  images_.push_back(make());
+  return made_[key] = static_cast<std::uint32_t>(images_.size() - 1);
 }
 
 }  // namespace raylab

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "raylab/image/image.hpp"
 #include "raylab/scene/texture.hpp"
 
 namespace raylab {
@@ -17,8 +19,11 @@ class TextureFiles {
   /// Throws Error (input) when it cannot be read or, an EXR, holds a value that is negative or not finite.
   std::uint32_t load(const std::filesystem::path& file, const std::string& name);
 
+  /// Index of a picture that is no file as it is, such as one inside another file. make() makes it where `key` is new.
+  std::uint32_t add(const std::string& key, const std::function<TextureImage()>& make);
+
   const std::vector<TextureImage>& images() const { return images_; }
-  /// The files read, in the order of images().
+  /// The files that load() read.
   const std::vector<std::filesystem::path>& files() const { return files_; }
   std::vector<TextureImage> take_images() { return std::move(images_); }
 
@@ -26,7 +31,11 @@ class TextureFiles {
   std::vector<TextureImage> images_;
   std::vector<std::filesystem::path> files_;
   std::map<std::filesystem::path, std::uint32_t> index_;  // by canonical path
+  std::map<std::string, std::uint32_t> made_;             // by key
 };
+
+/// A picture as texture, with its mean.
+TextureImage make_texture(Image image, const std::string& name);
 
 /// Reads one picture as load() does, for a background.
 TextureImage read_texture(const std::filesystem::path& file, const std::string& name);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "raylab/image/image.hpp"
@@ -68,12 +69,16 @@ Attributes read_exr_attributes(const std::filesystem::path& file);
 /// Reads PNG or JPEG, told by its content, as 8-bit; of 16 bits the upper 8. Throws Error (input): missing, neither,
 /// damaged (what its checksums find included), beyond the budget of read_image.
 Image8 read_image8(const std::filesystem::path& file);
+/// The same of a picture that is in memory; `name` is the place of errors.
+Image8 read_image8(std::string_view bytes, const std::string& name);
 
 /// Reads an EXR as it is, others decoded from sRGB to linear. Throws Error (input). Before memory is asked for, the
 /// size in the header is held against a budget: in memory a picture may take 2 GiB, and no more than 64 MiB or 2^17
 /// times its file, whichever is more, which no whole file of a picture exceeds but by being empty of content. All that
 /// reading takes at a time stays below 1.5 times the picture.
 Image read_image(const std::filesystem::path& file);
+/// The same of a PNG or JPEG that is in memory; `name` is the place of errors.
+Image read_image(std::string_view bytes, const std::string& name);
 
 /// Size, channels and attributes of an EXR or other picture, without its pixels. Throws Error (input).
 ImageInfo read_image_info(const std::filesystem::path& file);
