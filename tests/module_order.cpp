@@ -48,6 +48,7 @@ const Library kLibraries[] = {
     {"epoxy/", {"apps/preview/"}},
     {"imgui", {"apps/preview/"}},
     {"tiny_obj_loader", {"src/io/"}},
+    {"tiny_gltf", {"src/io/"}},
     {"toml++/", {"src/io/"}},
     {"OpenEXR/", {"src/image/"}},
     {"Imf", {"src/image/"}},
