@@ -1,5 +1,6 @@
 #include "mesh_files.hpp"
 
+#include "gltf_file.hpp"
 #include "ply_file.hpp"
 #include "raylab/core/error.hpp"
 #include "stl_file.hpp"
@@ -17,6 +18,7 @@ MeshWithMaterials read_mesh(FileKind kind, MaterialLibrary& library, const std::
     case FileKind::stl:
       return read_stl_into(library, file, options);
     case FileKind::gltf:
+      return read_gltf_into(library, file, options);
     case FileKind::scene:
     case FileKind::other:
       break;
