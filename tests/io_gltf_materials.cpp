@@ -194,7 +194,7 @@ TEST_CASE("metalness and roughness are times the means of a picture's bytes, whi
                           {"a.png"});
   CHECK(metal->kind == Material::Kind::metal);
   CHECK(metal->fuzz == fuzz_of_roughness(0.3f));
-  CHECK(metal.notes("how its metalness and roughness vary, its part that is no metal (0.1"));
+  CHECK(metal.notes("how its metalness and roughness vary, its part that is no metal (0.2)"));
   CHECK(metal.read.library.files.back() == folder / "a.png");
   CHECK(metal.read.library.textures.images().empty());
 }
@@ -206,7 +206,7 @@ TEST_CASE("of specular-glossiness materials the diffuse part is read, and unlit 
   const OneMaterial diffuse(folder, material);
   CHECK(diffuse->kind == Material::Kind::lambertian);
   CHECK(diffuse->color.a == Rgb(0.25f, 0.5f, 0.75f));
-  CHECK(diffuse.notes("its gloss: roughness (0)"));
+  CHECK(diffuse.notes("its gloss (roughness 0)"));
   material["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {{"diffuseTexture", {{"index", 0}, {"texCoord", 1}}}};
   const OneMaterial textured(folder, material, {"a.png"});
   CHECK(textured.picture().texels == std::vector<Rgb>{Rgb(1.0f, 0.0f, 0.0f)});

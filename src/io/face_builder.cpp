@@ -5,16 +5,12 @@
 #include "polygon.hpp"
 
 namespace raylab {
-namespace {
 
-/// Normal of a triangle by its winding; up when it has no area.
 vec3 face_normal(const Triangle& t) {
   const dvec3 normal = glm::cross(dvec3(t.p1) - dvec3(t.p0), dvec3(t.p2) - dvec3(t.p0));
   const double length = glm::length(normal);
   return length > 0.0 ? vec3(normal / length) : vec3(0.0f, 1.0f, 0.0f);
 }
-
-}  // namespace
 
 void FaceBuilder::add_normal(const vec3& n, std::size_t place) {
   const double length = glm::length(dvec3(n));

@@ -12,6 +12,9 @@
 
 namespace raylab {
 
+/// Unit normal of a triangle by its winding; up when it has no area.
+vec3 face_normal(const Triangle& t);
+
 /// How often something happened, and where it first did: a line, or a byte of a binary file.
 struct Tally {
   std::size_t count = 0;

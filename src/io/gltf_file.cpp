@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "face_builder.hpp"
 #include "gltf_accessor.hpp"
 #include "gltf_document.hpp"
 #include "gltf_materials.hpp"
@@ -277,16 +278,10 @@ class GltfBuilder {
       for (int c = 0; c < 3; ++c) {
         if (corners[c] < given && is_zero(mesh_.normals[corners[c]])) corners[c] = own;
       }
-      if (corners.x == own || corners.y == own || corners.z == own) mesh_.normals.push_back(face_normal(i));
+      if (corners.x == own || corners.y == own || corners.z == own) {
+        mesh_.normals.push_back(face_normal(triangle_corners(mesh_, i)));
+      }
     }
-  }
-
-  /// By its winding; up when it has no area.
-  vec3 face_normal(std::uint32_t triangle) const {
-    const Triangle t = triangle_corners(mesh_, triangle);
-    const dvec3 normal = glm::cross(dvec3(t.p1) - dvec3(t.p0), dvec3(t.p2) - dvec3(t.p0));
-    const double length = glm::length(normal);
-    return length > 0.0 ? vec3(normal / length) : vec3(0.0f, 1.0f, 0.0f);
   }
 
   MeshMaterials finish_materials() {
