@@ -257,6 +257,20 @@ TEST_CASE("two meshes share a material only when it comes from the same MTL file
   CHECK(scene.materials.at(scene.material_of(2, 0)).color.a == Rgb(0.0f, 1.0f, 0.0f));
 }
 
+TEST_CASE("with mtl = seed the plain convention counts, also where exporters say more", "[unit]") {
+  InputFolder folder;
+  folder.write("a.mtl", "newmtl gold\nKd 1 0.8 0.2\nPm 1\nPr 0.5\n");
+  folder.write("a.obj", "mtllib a.mtl\nusemtl gold\n" + kTriangle);
+  const LoadedScene loaded =
+      folder.load("mesh = [{file = \"a.obj\"}, {file = \"a.obj\", mtl = \"seed\"}, {file = \"a.obj\"}]\n");
+  const Scene& scene = loaded.scene;
+  CHECK(scene.materials.size() == 2);
+  CHECK(scene.materials[scene.material_of(0, 0)].kind == Material::Kind::metal);
+  CHECK(scene.materials[scene.material_of(1, 0)].kind == Material::Kind::lambertian);
+  CHECK(scene.material_of(2, 0) == scene.material_of(0, 0));
+  CHECK(any_line(loaded.notes, folder.at("a.mtl:1"), {"lambertian", "left out: what only exporters write"}));
+}
+
 TEST_CASE("attributes no material reads are dropped unless they are to be kept", "[unit]") {
   InputFolder folder;
   folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");

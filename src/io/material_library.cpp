@@ -33,25 +33,28 @@ std::optional<std::size_t> MaterialLibrary::open_mtl(const std::filesystem::path
   MtlFile mtl{file, {}};
   for (MtlMaterial& material : read_mtl(file, warnings)) {
     std::string name = material.name;
-    mtl.entries.try_emplace(std::move(name), MtlEntry{std::move(material), std::nullopt});
+    mtl.entries.try_emplace(std::move(name), MtlEntry{std::move(material), std::nullopt, std::nullopt});
   }
   mtl_files_.push_back(std::move(mtl));
   files.push_back(file);
   return mtl_number_[canonical] = mtl_files_.size() - 1;
 }
 
-std::optional<std::uint32_t> MaterialLibrary::find(std::size_t mtl_file, const std::string& name) {
+std::optional<std::uint32_t> MaterialLibrary::find(std::size_t mtl_file, const std::string& name, bool plain) {
   MtlFile& mtl = mtl_files_[mtl_file];
   const auto found = mtl.entries.find(name);
   if (found == mtl.entries.end()) return std::nullopt;
-  MtlEntry& entry = found->second;
-  if (entry.index) return entry.index;
+  const MtlMaterial& source = found->second.source;
+  const bool simplified = plain && !source.is_plain();
+  std::optional<std::uint32_t>& index = simplified ? found->second.plain_index : found->second.index;
+  if (index) return index;
   const std::filesystem::path folder = mtl.path.parent_path();
   std::vector<std::string> left_out;
   Material material =
-      entry.source.is_plain() ? from_mtl(entry.source, folder) : from_exported_mtl(entry.source, folder, left_out);
-  entry.index = add(std::move(material), entry.source.location, left_out);
-  return entry.index;
+      plain || source.is_plain() ? from_mtl(source, folder) : from_exported_mtl(source, folder, left_out);
+  if (simplified) left_out.emplace_back("what only exporters write");
+  index = add(std::move(material), source.location, left_out);
+  return index;
 }
 
 }  // namespace raylab

@@ -35,12 +35,13 @@ class MaterialLibrary {
   std::optional<std::size_t> open_mtl(const std::filesystem::path& file);
 
   /// Index in `materials` of a material of a file opened before; nullopt when the file has none of that name.
-  std::optional<std::uint32_t> find(std::size_t mtl_file, const std::string& name);
+  /// `plain`: by the plain convention, also where exporters say more.
+  std::optional<std::uint32_t> find(std::size_t mtl_file, const std::string& name, bool plain);
 
  private:
   struct MtlEntry {
     MtlMaterial source;
-    std::optional<std::uint32_t> index;  // once it is used
+    std::optional<std::uint32_t> index, plain_index;  // once it is used
   };
   struct MtlFile {
     std::filesystem::path path;

@@ -28,25 +28,25 @@ MeshWithMaterials read_mesh(FileKind kind, MaterialLibrary& library, const std::
 
 }  // namespace
 
-MeshFiles::Entry& MeshFiles::entry(const std::filesystem::path& file, bool ignore_materials) {
-  return entries_[{std::filesystem::weakly_canonical(file), ignore_materials}];
+MeshFiles::Entry& MeshFiles::entry(const std::filesystem::path& file, const ObjOptions& options) {
+  return entries_[{std::filesystem::weakly_canonical(file), options}];
 }
 
-void MeshFiles::expect(const std::filesystem::path& file, FileKind kind, bool ignore_materials) {
-  Entry& known = entry(file, ignore_materials);
+void MeshFiles::expect(const std::filesystem::path& file, FileKind kind, const ObjOptions& options) {
+  Entry& known = entry(file, options);
   known.kind = kind;
   ++known.expected;
 }
 
-const MeshWithMaterials& MeshFiles::read(const std::filesystem::path& file, FileKind kind, bool ignore_materials) {
-  Entry& known = entry(file, ignore_materials);
-  if (!known.mesh) known.mesh = read_mesh(kind, library_, file, {.ignore_materials = ignore_materials});
+const MeshWithMaterials& MeshFiles::read(const std::filesystem::path& file, FileKind kind, const ObjOptions& options) {
+  Entry& known = entry(file, options);
+  if (!known.mesh) known.mesh = read_mesh(kind, library_, file, options);
   return *known.mesh;
 }
 
-MeshWithMaterials MeshFiles::take(const std::filesystem::path& file, bool ignore_materials) {
-  Entry& known = entry(file, ignore_materials);
-  read(file, known.kind, ignore_materials);
+MeshWithMaterials MeshFiles::take(const std::filesystem::path& file, const ObjOptions& options) {
+  Entry& known = entry(file, options);
+  read(file, known.kind, options);
   if (--known.expected > 0) return *known.mesh;
   MeshWithMaterials mesh = std::move(*known.mesh);
   known.mesh.reset();

@@ -16,13 +16,13 @@ class MeshFiles {
   explicit MeshFiles(MaterialLibrary& library) : library_(library) {}
 
   /// One more take() of the file will come.
-  void expect(const std::filesystem::path& file, FileKind kind, bool ignore_materials);
+  void expect(const std::filesystem::path& file, FileKind kind, const ObjOptions& options);
 
   /// The mesh as the file, of that kind, has it. Throws Error.
-  const MeshWithMaterials& read(const std::filesystem::path& file, FileKind kind, bool ignore_materials);
+  const MeshWithMaterials& read(const std::filesystem::path& file, FileKind kind, const ObjOptions& options);
 
   /// The same of an expected file, to keep: the last that is expected is moved and not copied.
-  MeshWithMaterials take(const std::filesystem::path& file, bool ignore_materials);
+  MeshWithMaterials take(const std::filesystem::path& file, const ObjOptions& options);
 
  private:
   struct Entry {
@@ -30,11 +30,10 @@ class MeshFiles {
     std::size_t expected = 0;
     std::optional<MeshWithMaterials> mesh;
   };
-  Entry& entry(const std::filesystem::path& file, bool ignore_materials);
+  Entry& entry(const std::filesystem::path& file, const ObjOptions& options);
 
   MaterialLibrary& library_;
-  std::map<std::pair<std::filesystem::path, bool>, Entry>
-      entries_;  // by canonical path, and whether materials are ignored
+  std::map<std::pair<std::filesystem::path, ObjOptions>, Entry> entries_;  // by canonical path
 };
 
 }  // namespace raylab

@@ -36,12 +36,12 @@ std::vector<std::string> library_names(std::string_view rest) {
 }  // namespace
 
 ObjMaterials::ObjMaterials(const std::filesystem::path& file, const ObjOptions& options)
-    : file_(file), ignored_(options.ignore_materials) {}
+    : file_(file), options_(options) {}
 
 bool ObjMaterials::statement(std::string_view keyword, std::string_view rest, const std::string& location,
                              MaterialLibrary& library) {
   if (keyword == "mtllib") {
-    if (!ignored_) open_libraries(rest, location, library);
+    if (!options_.ignore_materials) open_libraries(rest, location, library);
     return true;
   }
   if (keyword != "usemtl") return false;
@@ -62,7 +62,7 @@ void ObjMaterials::open_libraries(std::string_view names, const std::string& loc
 }
 
 void ObjMaterials::add_triangle(std::size_t triangle_count, int line) {
-  if (ignored_) return;
+  if (options_.ignore_materials) return;
   if (changed_) {
     changed_ = false;
     if (current_.location.empty()) current_.location = file_.string() + ":" + std::to_string(line);
@@ -81,7 +81,7 @@ void ObjMaterials::add_triangle(std::size_t triangle_count, int line) {
 std::uint32_t ObjMaterials::index_of(const Use& use, MaterialLibrary& library) const {
   if (use.name.empty()) return library.default_material(use.location);
   for (const std::size_t file : mtl_files_) {
-    if (const auto index = library.find(file, use.name)) return *index;
+    if (const auto index = library.find(file, use.name, options_.plain_materials)) return *index;
   }
   library.warnings.push_back(use.location + ": material " + in_quotes(use.name) +
                              " is not defined: grey (0.5) in its place");

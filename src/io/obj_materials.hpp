@@ -37,7 +37,7 @@ class ObjMaterials {
   std::uint32_t index_of(const Use& use, MaterialLibrary& library) const;
 
   std::filesystem::path file_;
-  bool ignored_;
+  ObjOptions options_;
   std::vector<std::size_t> mtl_files_;  // as the library numbers them, in the order of the file
   Use current_;
   bool changed_ = true;                          // usemtl since the last triangle

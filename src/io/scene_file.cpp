@@ -55,7 +55,7 @@ FileKind kind_of(const std::filesystem::path& file) { return is_file(file) ? mod
 
 std::string made_scene(const std::filesystem::path& file, FileKind kind, const std::filesystem::path& folder,
                        const MaterialLibrary& library, MeshFiles& models, const ModelOptions& options) {
-  const MeshWithMaterials& model = models.read(file, kind, false);
+  const MeshWithMaterials& model = models.read(file, kind, {});
   const std::filesystem::path name = std::filesystem::proximate(file, folder.empty() ? "." : folder);
   return model_scene_text(model, library, kind, name.generic_string(), options);
 }

@@ -61,14 +61,15 @@ std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std:
     FileKind kind = FileKind::other;
     read_model(reader, folder, entry, kind);
     if (material != nullptr) entry.material = materials.use(*material, reader.path_of("material"));
-    files.expect(entry.file, kind, entry.material.has_value());
+    entry.options = {.ignore_materials = entry.material.has_value(), .plain_materials = mtl != nullptr};
+    files.expect(entry.file, kind, entry.options);
     entries.push_back(std::move(entry));
   }
   return entries;
 }
 
 void load_mesh(const MeshEntry& entry, MeshFiles& files, Scene& scene) {
-  MeshWithMaterials read = files.take(entry.file, entry.material.has_value());
+  MeshWithMaterials read = files.take(entry.file, entry.options);
   entry.placement.apply(read.mesh, *entry.table, entry.name);
   if (entry.material) read.materials.common = *entry.material;
   scene.geometry.meshes.push_back(std::move(read.mesh));

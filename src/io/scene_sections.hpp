@@ -55,6 +55,7 @@ struct MeshEntry {
   const TomlValue* table;
   std::string name;                       ///< the model's file as written
   std::filesystem::path file;             ///< where it is
+  ObjOptions options;                     ///< how it is read
   std::optional<std::uint32_t> material;  ///< absent: materials from the model
   MeshPlacement placement;
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <compare>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,7 +21,10 @@ struct ObjMesh {
 };
 
 struct ObjOptions {
-  bool ignore_materials = false;  ///< the scene gives the material: MTL files are not read
+  bool ignore_materials = false;  ///< the scene gives the material: the model's are not read
+  bool plain_materials = false;   ///< of MTL files the plain convention alone, also where exporters say more
+
+  auto operator<=>(const ObjOptions&) const = default;
 };
 
 /// Reads an OBJ file and the MTL files and textures it uses. Polygons become triangles, concave ones too; faces of
