@@ -6,27 +6,20 @@
 #include <numeric>
 
 #include "core/angle.hpp"
+#include "point_table.hpp"
 
 namespace raylab {
 namespace {
 
-/// For each position the first one at the same place.
-std::vector<std::uint32_t> welded(const std::vector<vec3>& positions) {
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const vec3 &p = positions[a], &q = positions[b];
-    if (p.x != q.x) return p.x < q.x;
-    if (p.y != q.y) return p.y < q.y;
-    return p.z != q.z ? p.z < q.z : a < b;
-  };
-  std::sort(order.begin(), order.end(), less);
-  std::vector<std::uint32_t> first(positions.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && positions[order[i]] == positions[order[i - 1]];
-    first[order[i]] = same ? first[order[i - 1]] : order[i];
-  }
-  return first;
+/// For each position the number of its place.
+std::vector<std::uint32_t> places(const std::vector<vec3>& positions) {
+  std::vector<vec3> distinct;
+  distinct.reserve(positions.size());
+  PointTable table(distinct, positions.size());
+  std::vector<std::uint32_t> place;
+  place.reserve(positions.size());
+  for (const vec3& p : positions) place.push_back(table.index_of(p + 0.0f));  // -0 becomes 0
+  return place;
 }
 
 struct Face {
@@ -52,18 +45,20 @@ Face face_of(const Triangle& t) {
 struct Corner {
   std::uint32_t triangle;
   std::uint32_t at;              ///< 0, 1 or 2
-  std::uint32_t next, previous;  ///< the other vertices, welded
+  std::uint32_t next, previous;  ///< the places of the other vertices
   std::uint32_t fan;             ///< corners joined over smooth edges have the same
 };
 
 /// Joins the corners of one vertex that share an edge which is smooth.
-void find_fans(std::vector<Corner>& corners, const std::vector<Face>& faces, double least_cosine) {
+void find_fans(std::vector<Corner>& corners, const std::vector<Face>& faces, double least_cosine,
+               std::vector<std::array<std::uint32_t, 2>>& edges) {
   const auto root = [&](std::uint32_t i) {
     while (corners[i].fan != i) i = corners[i].fan = corners[corners[i].fan].fan;
     return i;
   };
-  // The edges of the vertex by their other end: those of one edge come to stand together.
-  std::vector<std::array<std::uint32_t, 2>> edges;
+  // The edges of the vertex by their other end: those of one edge come to stand together. `edges` is kept to save
+  // allocations.
+  edges.clear();
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
     corners[i].fan = i;
     edges.push_back({corners[i].next, i});
@@ -85,7 +80,7 @@ void find_fans(std::vector<Corner>& corners, const std::vector<Face>& faces, dou
 
 void smooth_normals(TriangleMesh& mesh, float degrees) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-  const std::vector<std::uint32_t> vertex = welded(mesh.positions);
+  const std::vector<std::uint32_t> vertex = places(mesh.positions);
   std::vector<Face> faces(count);
   std::vector<std::uint32_t> start(mesh.positions.size() + 1, 0);  // of each vertex's corners
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -107,6 +102,7 @@ void smooth_normals(TriangleMesh& mesh, float degrees) {
   mesh.normal_indices.assign(count, uvec3(0));
   bool smooth = false;
   std::vector<Corner> corners;
+  std::vector<std::array<std::uint32_t, 2>> edges;
   std::vector<dvec3> sums;
   std::vector<double> weights;
   std::vector<std::uint32_t> normal_of_fan;
@@ -118,7 +114,7 @@ void smooth_normals(TriangleMesh& mesh, float degrees) {
       corners.push_back(
           {triangle, at, vertex[t[static_cast<int>((at + 1) % 3)]], vertex[t[static_cast<int>((at + 2) % 3)]], 0});
     }
-    find_fans(corners, faces, least_cosine);
+    find_fans(corners, faces, least_cosine, edges);
     sums.assign(corners.size(), dvec3(0.0));
     weights.assign(corners.size(), 0.0);
     for (const Corner& c : corners) {
