@@ -5,6 +5,7 @@
 
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
+#include "raylab/scene/framing.hpp"
 
 namespace raylab {
 
@@ -89,6 +90,10 @@ void Explorer::key_down(Key key) {
       while (other_ == accel_ && accels_.size() > 1);
       break;
     case Key::home:
+      viewpoint_.go_to(frame_scene(scene_, camera(), width_, height_));
+      changed_ = true;
+      break;
+    case Key::backspace:
       viewpoint_ = Viewpoint(first_camera_);
       pivot_.reset();
       changed_ = true;

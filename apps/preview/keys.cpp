@@ -9,8 +9,9 @@ namespace raylab {
 namespace {
 
 constexpr std::array<std::string_view, kKeyCount> kNames{
-    "w",      "a",    "s",  "d",    "q", "e", "r",     "f",       "v", "c", "b", "m", "h", "p", "space", "tab", "enter",
-    "escape", "home", "up", "down", "[", "]", "shift", "control", "1", "2", "3", "4", "5", "6", "7",     "8",   "9"};
+    "w",     "a",       "s",     "d",   "q",     "e",      "r",    "f",         "v",  "c",    "b", "m",
+    "h",     "p",       "space", "tab", "enter", "escape", "home", "backspace", "up", "down", "[", "]",
+    "shift", "control", "1",     "2",   "3",     "4",      "5",    "6",         "7",  "8",    "9"};
 
 constexpr KeyHelp kHelp[]{
     {"W A S D", "forward, left, back, right"},
@@ -28,7 +29,8 @@ constexpr KeyHelp kHelp[]{
     {"C", "compare: split, difference, disagreement"},
     {"B", "accelerator compared with"},
     {"P", "save the picture, PNG and EXR"},
-    {"Home", "camera as the file has it"},
+    {"Home", "all of the scene into view"},
+    {"Backspace", "camera as the file has it"},
     {"Enter", "write the camera to the scene file"},
     {"H", "this help"},
     {"Esc", "leave, writing nothing"},

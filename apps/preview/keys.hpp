@@ -28,6 +28,7 @@ enum class Key : std::uint8_t {
   enter,
   escape,
   home,
+  backspace,
   up,
   down,
   left_bracket,

@@ -59,6 +59,12 @@ void Viewpoint::orbit(const dvec3& pivot, double yaw, double pitch) {
   update();
 }
 
+void Viewpoint::go_to(const CameraSettings& settings) {
+  position_ = settings.look_from;
+  target_ = settings.look_at;
+  update();
+}
+
 void Viewpoint::set_focus_distance(double distance) {
   settings_.focus_distance = static_cast<float>(std::clamp(distance, 1e-18, 1e18));
 }

@@ -21,6 +21,9 @@ class Viewpoint {
   /// stays at its place in the picture.
   void orbit(const dvec3& pivot, double yaw, double pitch);
 
+  /// Goes where these settings stand and look, with the lens as it is.
+  void go_to(const CameraSettings& settings);
+
   void set_focus_distance(double distance);  ///< clamped to what a camera accepts
   void set_defocus_angle(double degrees);    ///< the same
   void set_vfov(double degrees);             ///< the same

@@ -20,67 +20,46 @@ std::string last_glfw_error() {
   return description == nullptr ? "unknown error" : description;
 }
 
+constexpr std::pair<int, Key> kKeys[]{
+    {GLFW_KEY_W, Key::w},
+    {GLFW_KEY_A, Key::a},
+    {GLFW_KEY_S, Key::s},
+    {GLFW_KEY_D, Key::d},
+    {GLFW_KEY_Q, Key::q},
+    {GLFW_KEY_E, Key::e},
+    {GLFW_KEY_R, Key::r},
+    {GLFW_KEY_F, Key::f},
+    {GLFW_KEY_V, Key::v},
+    {GLFW_KEY_C, Key::c},
+    {GLFW_KEY_B, Key::b},
+    {GLFW_KEY_M, Key::m},
+    {GLFW_KEY_H, Key::h},
+    {GLFW_KEY_P, Key::p},
+    {GLFW_KEY_SPACE, Key::space},
+    {GLFW_KEY_TAB, Key::tab},
+    {GLFW_KEY_ENTER, Key::enter},
+    {GLFW_KEY_KP_ENTER, Key::enter},
+    {GLFW_KEY_ESCAPE, Key::escape},
+    {GLFW_KEY_HOME, Key::home},
+    {GLFW_KEY_BACKSPACE, Key::backspace},
+    {GLFW_KEY_UP, Key::up},
+    {GLFW_KEY_DOWN, Key::down},
+    {GLFW_KEY_LEFT_BRACKET, Key::left_bracket},
+    {GLFW_KEY_RIGHT_BRACKET, Key::right_bracket},
+    {GLFW_KEY_LEFT_SHIFT, Key::shift},
+    {GLFW_KEY_RIGHT_SHIFT, Key::shift},
+    {GLFW_KEY_LEFT_CONTROL, Key::control},
+    {GLFW_KEY_RIGHT_CONTROL, Key::control},
+};
+
 std::optional<Key> key_of(int key) {
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     return static_cast<Key>(static_cast<int>(Key::digit1) + (key - GLFW_KEY_1));
   }
-  switch (key) {
-    case GLFW_KEY_W:
-      return Key::w;
-    case GLFW_KEY_A:
-      return Key::a;
-    case GLFW_KEY_S:
-      return Key::s;
-    case GLFW_KEY_D:
-      return Key::d;
-    case GLFW_KEY_Q:
-      return Key::q;
-    case GLFW_KEY_E:
-      return Key::e;
-    case GLFW_KEY_R:
-      return Key::r;
-    case GLFW_KEY_F:
-      return Key::f;
-    case GLFW_KEY_V:
-      return Key::v;
-    case GLFW_KEY_C:
-      return Key::c;
-    case GLFW_KEY_B:
-      return Key::b;
-    case GLFW_KEY_M:
-      return Key::m;
-    case GLFW_KEY_H:
-      return Key::h;
-    case GLFW_KEY_P:
-      return Key::p;
-    case GLFW_KEY_SPACE:
-      return Key::space;
-    case GLFW_KEY_TAB:
-      return Key::tab;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return Key::enter;
-    case GLFW_KEY_ESCAPE:
-      return Key::escape;
-    case GLFW_KEY_HOME:
-      return Key::home;
-    case GLFW_KEY_UP:
-      return Key::up;
-    case GLFW_KEY_DOWN:
-      return Key::down;
-    case GLFW_KEY_LEFT_BRACKET:
-      return Key::left_bracket;
-    case GLFW_KEY_RIGHT_BRACKET:
-      return Key::right_bracket;
-    case GLFW_KEY_LEFT_SHIFT:
-    case GLFW_KEY_RIGHT_SHIFT:
-      return Key::shift;
-    case GLFW_KEY_LEFT_CONTROL:
-    case GLFW_KEY_RIGHT_CONTROL:
-      return Key::control;
-    default:
-      return std::nullopt;
+  for (const auto& [number, meaning] : kKeys) {
+    if (number == key) return meaning;
   }
+  return std::nullopt;
 }
 
 Window& window_of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }

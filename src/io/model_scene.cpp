@@ -5,12 +5,12 @@
 
 #include "message_text.hpp"
 #include "raylab/core/text.hpp"
+#include "raylab/scene/framing.hpp"
 
 namespace raylab {
 namespace {
 
 constexpr double kFieldOfView = 30.0;  // degrees, vertical
-constexpr double kMargin = 1.08;       // of the distance at which the model touches the picture's edge
 
 /// The file's point with +y up.
 dvec3 upright(const vec3& p, char up) {
@@ -35,46 +35,16 @@ class RoundedNumbers {
   double step_;
 };
 
-struct View {
-  dvec3 center;
-  double radius;  ///< of the sphere around the centre that holds the model
-  double lowest;  ///< y
-  dvec3 back;     ///< unit, from the centre to the eye
-  dvec3 right, up;
-  double distance;  ///< of the eye from the centre
-};
+const dvec3 kBack = glm::normalize(dvec3(0.6, 0.42, 1.0));  // from the model to the eye
 
-View view_of(const TriangleMesh& mesh, char up, double aspect) {
-  dvec3 lower(INFINITY), upper(-INFINITY);
+Framing framing_of(const TriangleMesh& mesh, char up, const ModelOptions& options) {
   const auto for_each_point = [&](const auto& visit) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       if (!is_valid_triangle(mesh, i)) continue;
-      for (int c = 0; c < 3; ++c) visit(upright(mesh.positions[mesh.triangles[i][c]], up));
+      for (int c = 0; c < 3; ++c) visit(upright(mesh.positions[mesh.triangles[i][c]], up), 0.0);
     }
   };
-  for_each_point([&](const dvec3& p) {
-    lower = glm::min(lower, p);
-    upper = glm::max(upper, p);
-  });
-  if (lower.x > upper.x) lower = upper = dvec3(0.0);
-  View view;
-  view.center = 0.5 * (lower + upper);
-  view.lowest = lower.y;
-  view.radius = 0.5 * glm::length(upper - lower);
-  if (!(view.radius > 0.0)) view.radius = 1.0;
-  view.back = glm::normalize(dvec3(0.6, 0.42, 1.0));
-  view.right = glm::normalize(glm::cross(dvec3(0.0, 1.0, 0.0), view.back));
-  view.up = glm::cross(view.back, view.right);
-  const double half_height = std::tan(0.5 * kFieldOfView * 3.14159265358979323846 / 180.0);
-  const double half_width = half_height * aspect;
-  view.distance = 0.01 * view.radius;
-  for_each_point([&](const dvec3& p) {
-    const dvec3 v = p - view.center;
-    const double across =
-        std::max(std::abs(glm::dot(v, view.right)) / half_width, std::abs(glm::dot(v, view.up)) / half_height);
-    view.distance = std::max(view.distance, glm::dot(v, view.back) + kMargin * across);
-  });
-  return view;
+  return frame_balls(for_each_point, kBack, dvec3(0.0, 1.0, 0.0), kFieldOfView, options.width, options.height);
 }
 
 /// How brightly the model's own lights light it: the light that they give off over what a sphere around the model
@@ -106,9 +76,9 @@ std::string in_toml(const std::string& text) {
 std::string model_scene_text(const MeshWithMaterials& model, const MaterialLibrary& library, FileKind kind,
                              const std::string& name, const ModelOptions& options) {
   const char up = options.up != '\0' ? options.up : kind == FileKind::stl ? 'z' : 'y';
-  const View view = view_of(model.mesh, up, static_cast<double>(options.width) / options.height);
+  const Framing view = framing_of(model.mesh, up, options);
   const RoundedNumbers number(view.radius);
-  const dvec3 eye = view.center + view.distance * view.back;
+  const dvec3 eye = view.center + view.distance * kBack;
 
   std::string text = "[camera]\nlook_from = " + number(eye) + "\nlook_at = " + number(view.center) +
                      "\nup = [0, 1, 0]\nvfov = " + number_text(kFieldOfView) +
@@ -124,7 +94,7 @@ std::string model_scene_text(const MeshWithMaterials& model, const MaterialLibra
   const double own = own_light(model, library, view.radius);
   if (own < kEnough) {
     // The sky alone shows a white surface at 0.5, and the key light adds 0.8 where it falls straight on.
-    const dvec3 direction = glm::normalize(-0.6 * view.right + 0.9 * view.up + 0.5 * view.back);
+    const dvec3 direction = glm::normalize(-0.6 * view.right + 0.9 * view.up + 0.5 * kBack);
     const double distance = 6.0 * view.radius;
     text += "\n[background]  # a soft sky, as the model has " + std::string(own > 0.0 ? "little" : "no") +
             " light of its own\nbottom = [0.35, 0.35, 0.37]\ntop = [0.45, 0.55, "
@@ -138,7 +108,7 @@ std::string model_scene_text(const MeshWithMaterials& model, const MaterialLibra
     const double radius = 1000.0 * view.radius;
     text += "\n[material.ground]\ntype = \"lambertian\"\nalbedo = [0.5, 0.5, 0.5]\n";
     text += "\n[[sphere]]  # the ground, as in the One Weekend books\ncenter = " +
-            number({view.center.x, view.lowest - radius, view.center.z}) + "\nradius = " + number(radius) +
+            number({view.center.x, view.lower.y - radius, view.center.z}) + "\nradius = " + number(radius) +
             "\nmaterial = \"ground\"\n";
   }
   return text;

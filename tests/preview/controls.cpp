@@ -76,7 +76,7 @@ TEST_CASE("the keys move the camera the way they say", "[unit][preview]") {
   CHECK_FALSE(ball.explorer->moved());
 }
 
-TEST_CASE("shift is fast, control slow, the wheel changes the speed, home goes back", "[unit][preview]") {
+TEST_CASE("shift is fast, control slow, the wheel changes the speed, backspace goes back", "[unit][preview]") {
   Ball ball;
   const auto length_of_step = [&] {
     const dvec3 before(ball.explorer->camera().look_from);
@@ -92,9 +92,23 @@ TEST_CASE("shift is fast, control slow, the wheel changes the speed, home goes b
   ball.explorer->key_up(Key::control);
   ball.explorer->scroll(2.0);
   CHECK(length_of_step() > 1.5 * plain);
-  ball.press(Key::home);
+  ball.press(Key::backspace);
   CHECK(ball.explorer->moved());
   CHECK(ball.explorer->camera().look_from == vec3(0, 0, 5));
+}
+
+TEST_CASE("Home brings all of the scene into view, and turns nothing", "[unit][preview]") {
+  Ball ball;
+  ball.explorer->drag(100.0, 30.0);
+  ball.press(Key::d, 20.0);
+  const dvec3 ahead = ball.explorer->viewpoint().forward();
+  ball.press(Key::home);
+  CHECK(ball.explorer->moved());
+  CHECK(glm::length(ball.explorer->viewpoint().forward() - ahead) < 1e-6);
+  // The ball fills the picture but for a margin of 8 % of the distance.
+  const double touching = 1.0 / std::sin(20.0 * kPi / 180.0);
+  CHECK(glm::length(ball.explorer->viewpoint().position()) == Approx(1.08 * touching).epsilon(1e-5));
+  CHECK(ball.explorer->camera().focus_distance == 10.0f);
 }
 
 TEST_CASE("a click focuses on what is there, and Tab orbits around it", "[unit][preview]") {

@@ -197,7 +197,7 @@ TEST_CASE("M captures the mouse: it then looks around as with a button held, unt
   const auto shot = [&](const char* name) { return "screenshot " + display.file(name) + "\n"; };
   // The mode changes as the next frame begins.
   display.run_script("mouse 30 0\n" + shot("free.png") + "key m\nwait 2\nmouse 30 0\n" + shot("captured.png") +
-                         "key m\nwait 2\nmouse 30 0\n" + shot("left.png") + "key home\nwait 2\ndrag 30 0\n" +
+                         "key m\nwait 2\nmouse 30 0\n" + shot("left.png") + "key backspace\nwait 2\ndrag 30 0\n" +
                          shot("drag.png"),
                      {"--no-hud"});
   const auto pixels = [&](const char* name) { return read_image8(display.file(name)).rgb; };
