@@ -17,6 +17,9 @@ constexpr double kNotch = 1.25;             // speed by one notch of the wheel
 constexpr double kRadiansPerPixel = 0.004;  // of mouse movement
 constexpr double kFocusRate = 0.7;          // a second, of the logarithm of the distance
 constexpr double kApertureRate = 1.0;       // the same of the defocus angle
+constexpr double kFieldRate = 0.7;          // the same of the tangent of half the field of view
+constexpr double kExposureStep = 0.5;       // stops by one press
+constexpr double kMostExposure = 20.0;      // stops, either way
 constexpr double kLeastAperture = 0.02;     // degrees: below, the lens closes to a pinhole
 
 std::string number(double value) { return format("%.5g", value); }
@@ -89,6 +92,12 @@ void Explorer::key_down(Key key) {
       do other_ = (other_ + 1) % accels_.size();
       while (other_ == accel_ && accels_.size() > 1);
       break;
+    case Key::minus:
+      change_exposure(-kExposureStep);
+      break;
+    case Key::equal:
+      change_exposure(kExposureStep);
+      break;
     case Key::home:
       viewpoint_.go_to(frame_scene(scene_, camera(), width_, height_));
       changed_ = true;
@@ -104,6 +113,11 @@ void Explorer::key_down(Key key) {
 }
 
 void Explorer::key_up(Key key) { held_[static_cast<std::size_t>(key)] = false; }
+
+void Explorer::change_exposure(double stops) {
+  exposure_ = std::clamp(exposure_ + stops, -kMostExposure, kMostExposure);
+  say(format("exposure %+g stops, of the path traced picture on the screen alone", exposure_));
+}
 
 void Explorer::choose_accel(std::size_t index) {
   if (index >= accels_.size()) return say("there is no accelerator " + std::to_string(index + 1));
@@ -140,7 +154,7 @@ void Explorer::toggle_orbit() {
     return say("flying");
   }
   const bool at_pointer = !captured_;
-  pivot_ = pick_at(at_pointer ? pointer_x_ : 0.5 * width_, at_pointer ? pointer_y_ : 0.5 * height_);
+  pivot_ = pick_at(at_pointer ? pointer_.x : 0.5 * width_, at_pointer ? pointer_.y : 0.5 * height_);
   if (pivot_) {
     const vec3& p = pivot_->point;
     say("orbiting around " + number(p.x) + ", " + number(p.y) + ", " + number(p.z));
@@ -168,10 +182,7 @@ void Explorer::drag(double dx, double dy) {
   changed_ = true;
 }
 
-void Explorer::point(double x, double y) {
-  pointer_x_ = x;
-  pointer_y_ = y;
-}
+void Explorer::point(double x, double y) { pointer_ = {x, y}; }
 
 void Explorer::scroll(double notches) {
   speed_ *= std::pow(kNotch, notches);
@@ -203,6 +214,12 @@ void Explorer::step(double seconds) {
     const double now = std::max<double>(camera().defocus_angle, kLeastAperture);
     const double next = now * std::exp(aperture * kApertureRate * seconds);
     viewpoint_.set_defocus_angle(next < kLeastAperture ? 0.0 : next);
+    changed_ = true;
+  }
+  const double field = axis(held(Key::x), held(Key::z));
+  if (field != 0.0) {
+    const double half = std::tan(0.5 * camera().vfov * kPi / 180.0) * std::exp(field * kFieldRate * seconds);
+    viewpoint_.set_vfov(2.0 * std::atan(half) * 180.0 / kPi);
     changed_ = true;
   }
   moved_ = changed_;

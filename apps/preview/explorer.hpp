@@ -57,6 +57,8 @@ class Explorer {
   const std::string& other_accel() const { return accels_[other_]; }
   const std::vector<std::string>& accels() const { return accels_; }
   bool shows_focus_plane() const { return focus_plane_; }
+  double exposure() const { return exposure_; }  ///< stops by which the traced picture is shown brighter than it is
+  const glm::dvec2& pointer() const { return pointer_; }  ///< in pixels of the picture from its upper left corner
   bool shows_help() const { return help_; }
   bool captures_mouse() const { return captured_; }
   bool leaves() const { return leaves_; }
@@ -72,6 +74,7 @@ class Explorer {
  private:
   bool held(Key key) const { return held_[static_cast<std::size_t>(key)]; }
   std::optional<Picked> pick_at(double x, double y);
+  void change_exposure(double stops);
   void choose_accel(std::size_t index);
   void toggle_orbit();
   void write_camera();
@@ -91,7 +94,8 @@ class Explorer {
   bool moved_ = false, changed_ = false;
   std::optional<Picked> pivot_;
   int width_ = 1, height_ = 1;
-  double pointer_x_ = 0.0, pointer_y_ = 0.0;
+  glm::dvec2 pointer_{-1.0};
+  double exposure_ = 0.0;
   std::string message_;
 };
 

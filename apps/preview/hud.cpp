@@ -63,6 +63,16 @@ void show_materials(const Scene& scene) {
   ImGui::EndChild();
 }
 
+/// The linear colour that the traced picture has under the pointer.
+void show_pixel(const char* label, const TracedPicture* picture, const Explorer& explorer, const HudFigures& figures) {
+  const glm::dvec2 at = explorer.pointer();
+  if (picture == nullptr || explorer.captures_mouse()) return;
+  const auto color = color_at(picture->image, figures.width, figures.height, at);
+  if (!color) return;
+  ImGui::Text("%spixel %d, %d: %.4g %.4g %.4g linear RGB", label, static_cast<int>(at.x), static_cast<int>(at.y),
+              color->r, color->g, color->b);
+}
+
 void show_help() {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(size.x - kMargin, kMargin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
@@ -100,6 +110,11 @@ void show_figures(const Scene& scene, const AcceleratorShelf& shelf, const Explo
     ImGui::Text("%s", figures.comparison.c_str());
   }
   if (traced) ImGui::Text("ends at most %.0f ms after a move", 1e3 * figures.longest_stop_seconds);
+  if (traced) {
+    show_pixel(both ? "left  " : "", figures.picture.get(), explorer, figures);
+    if (both) show_pixel("right ", figures.other.get(), explorer, figures);
+    if (explorer.exposure() != 0.0) ImGui::Text("exposure %+g stops, on the screen alone", explorer.exposure());
+  }
   show_camera(explorer.camera(), explorer);
   show_materials(scene);
   if (!figures.failure.empty()) ImGui::TextWrapped("%s", figures.failure.c_str());

@@ -9,9 +9,9 @@ namespace raylab {
 namespace {
 
 constexpr std::array<std::string_view, kKeyCount> kNames{
-    "w",     "a",       "s",     "d",   "q",     "e",      "r",    "f",         "v",  "c",    "b", "m",
-    "h",     "p",       "space", "tab", "enter", "escape", "home", "backspace", "up", "down", "[", "]",
-    "shift", "control", "1",     "2",   "3",     "4",      "5",    "6",         "7",  "8",    "9"};
+    "w", "a", "s",     "d",       "q", "e",     "r",   "f",     "v",      "c",    "b",         "m",  "h",
+    "p", "z", "x",     "-",       "=", "space", "tab", "enter", "escape", "home", "backspace", "up", "down",
+    "[", "]", "shift", "control", "1", "2",     "3",   "4",     "5",      "6",    "7",         "8",  "9"};
 
 constexpr KeyHelp kHelp[]{
     {"W A S D", "forward, left, back, right"},
@@ -25,6 +25,8 @@ constexpr KeyHelp kHelp[]{
     {"Up / Down", "focus farther / nearer"},
     {"[ / ]", "aperture smaller / larger"},
     {"F", "focus plane"},
+    {"Z / X", "field of view narrower / wider"},
+    {"- / =", "path traced picture shown darker / brighter, by half a stop"},
     {"1 ... 9", "accelerator"},
     {"C", "compare: split, difference, disagreement"},
     {"B", "accelerator compared with"},

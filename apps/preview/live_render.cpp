@@ -62,17 +62,23 @@ void take_snapshot(const RenderSession& session, const Image& coarse, TracedPict
   picture.estimated_relmse = estimated == 0 ? kInfinity : relmse / static_cast<double>(estimated);
 }
 
-std::vector<std::uint8_t> encode_srgb(const Image& image) {
+std::vector<std::uint8_t> encode_srgb(const Image& image, double exposure) {
+  const auto gain = static_cast<float>(std::exp2(exposure));
   std::vector<std::uint8_t> bytes(image.pixels.size() * 3);
   const auto width = static_cast<std::size_t>(image.width);
   parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       for (int c = 0; c < 3; ++c) {
-        bytes[3 * i + static_cast<std::size_t>(c)] = linear_to_srgb_byte(image.pixels[i][c]);
+        bytes[3 * i + static_cast<std::size_t>(c)] = linear_to_srgb_byte(gain * image.pixels[i][c]);
       }
     }
   });
   return bytes;
+}
+
+std::optional<Rgb> color_at(const Image& image, int width, int height, const glm::dvec2& place) {
+  if (!(place.x >= 0.0 && place.y >= 0.0 && place.x < width && place.y < height)) return std::nullopt;
+  return image.at(static_cast<int>(place.x * image.width / width), static_cast<int>(place.y * image.height / height));
 }
 
 LiveRender::LiveRender(const Scene& scene, AcceleratorShelf& shelf)

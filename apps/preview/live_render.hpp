@@ -34,8 +34,12 @@ struct TracedPicture {
 /// What a session has gathered so far, as a picture: sets image, samples and estimated_relmse.
 void take_snapshot(const RenderSession& session, const Image& coarse, TracedPicture& picture);
 
-/// The image as a PNG of it has it: three bytes a pixel.
-std::vector<std::uint8_t> encode_srgb(const Image& image);
+/// The image as a PNG of it has it: three bytes a pixel. `exposure`: brighter by so many stops.
+std::vector<std::uint8_t> encode_srgb(const Image& image, double exposure = 0.0);
+
+/// What an image has at a place of a width x height picture that shows it, in pixels from the upper left corner;
+/// nothing beside the picture.
+std::optional<Rgb> color_at(const Image& image, int width, int height, const glm::dvec2& place);
 
 /// Traces what was asked for last, on threads of its own: first a coarse picture that is there in a moment, then
 /// all samples. No call waits for tracing. A new request ends what is going on; only a coarse picture that will

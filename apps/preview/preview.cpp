@@ -170,18 +170,20 @@ void Preview::update_comparison() {
     picture_view_.set_right(made.width, made.height, made.srgb);
   }
   if (comparing_.valid() || !shown_ || !shown_other_) return;
-  const Compared what{kind, shown_->samples, shown_other_->samples, shown_->request, shown_other_->request};
+  const Compared what{
+      kind, shown_->samples, shown_other_->samples, shown_->request, shown_other_->request, explorer_.exposure()};
   if (what == compared_) return;
   if (kind == Compare::split) {
     const Image& image = shown_other_->image;
-    picture_view_.set_right(image.width, image.height, shown_other_->srgb);
+    picture_view_.set_right(image.width, image.height,
+                            what.exposure == 0.0 ? shown_other_->srgb : encode_srgb(image, what.exposure));
     compared_ = comparing_what_ = what;
     compared_text_ = "left " + explorer_.accel() + ", right " + explorer_.other_accel();
     return;
   }
   comparing_what_ = what;
-  comparing_ = std::async(std::launch::async, [kind, a = shown_, b = shown_other_, request = *asked_,
-                                               left = shelf_.find(explorer_.accel()),
+  comparing_ = std::async(std::launch::async, [kind, exposure = what.exposure, a = shown_, b = shown_other_,
+                                               request = *asked_, left = shelf_.find(explorer_.accel()),
                                                right = shelf_.find(explorer_.other_accel())] {
     ComparedPicture made;
     Image image(1, 1);
@@ -197,16 +199,22 @@ void Preview::update_comparison() {
     }
     made.width = image.width;
     made.height = image.height;
-    made.srgb = encode_srgb(image);
+    // The colours of a disagreement are names, and no light.
+    made.srgb = encode_srgb(image, kind == Compare::difference ? exposure : 0.0);
     return made;
   });
 }
 
 void Preview::draw_traced() {
   const auto picture = live_->latest();
-  const bool is_new = picture && picture != shown_;
+  const double exposure = explorer_.exposure();
+  const bool is_new = picture && (picture != shown_ || exposure != shown_exposure_);
   shown_ = picture;
-  if (is_new) picture_view_.set_left(picture->image.width, picture->image.height, picture->srgb);
+  shown_exposure_ = exposure;
+  if (is_new) {
+    picture_view_.set_left(picture->image.width, picture->image.height,
+                           exposure == 0.0 ? picture->srgb : encode_srgb(picture->image, exposure));
+  }
   const Compare compare = explorer_.compare();
   if (compare != Compare::off) {
     shown_other_ = other_->latest();

@@ -32,6 +32,7 @@ class Preview {
     Compare kind = Compare::off;
     std::uint64_t left = 0, right = 0;  // samples and requests of the two pictures
     std::uint64_t left_request = 0, right_request = 0;
+    double exposure = 0.0;
     bool operator==(const Compared&) const = default;
   };
   struct ComparedPicture {
@@ -68,6 +69,7 @@ class Preview {
   std::optional<TraceRequest> asked_, asked_other_;
   std::uint64_t number_ = 0, other_number_ = 0;
   std::shared_ptr<const TracedPicture> shown_, shown_other_;
+  double shown_exposure_ = 0.0;
 
   FirstSurfaces first_surfaces_;
   std::future<ComparedPicture> comparing_;

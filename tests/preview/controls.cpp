@@ -243,6 +243,31 @@ TEST_CASE("focus, aperture, accelerators, views", "[unit][preview]") {
   CHECK(read_text(ball / "ball.toml") == kBall);
 }
 
+TEST_CASE("Z and X change the field of view, within what a camera takes", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::z, 0.5);
+  CHECK(ball.explorer->moved());
+  CHECK(ball.explorer->camera().vfov < 35.0f);
+  ball.press(Key::x, 1.0);
+  CHECK(ball.explorer->camera().vfov > 45.0f);
+  CHECK(ball.explorer->camera().look_from == vec3(0, 0, 5));
+  ball.press(Key::x, 60.0);
+  CHECK(ball.explorer->camera().vfov == 170.0f);
+  ball.press(Key::z, 60.0);
+  CHECK(ball.explorer->camera().vfov == 1.0f);
+}
+
+TEST_CASE("exposure goes by half stops, and moves no camera", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::equal);
+  ball.press(Key::equal);
+  ball.press(Key::equal);
+  ball.press(Key::minus);
+  CHECK(ball.explorer->exposure() == 1.0);
+  CHECK_FALSE(ball.explorer->moved());
+  CHECK(ball.explorer->message().find("+1 stops") != std::string::npos);
+}
+
 TEST_CASE("Enter writes the camera, and says so when it may not", "[unit][preview]") {
   Ball ball;
   ball.press(Key::d, 0.5);

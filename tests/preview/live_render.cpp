@@ -112,6 +112,28 @@ TEST_CASE("a snapshot for the display says what the film says", "[unit][preview]
   }
 }
 
+TEST_CASE("a place in the window has the colour of the pixel shown there, whatever the picture's size",
+          "[unit][preview]") {
+  Image image(2, 2);
+  image.pixels = {Rgb(1, 0, 0), Rgb(2, 0, 0), Rgb(3, 0, 0), Rgb(4, 0, 0)};
+  CHECK(color_at(image, 20, 10, {0.0, 0.0}) == Rgb(1, 0, 0));
+  CHECK(color_at(image, 20, 10, {10.0, 4.9}) == Rgb(2, 0, 0));
+  CHECK(color_at(image, 20, 10, {9.9, 5.0}) == Rgb(3, 0, 0));
+  CHECK(color_at(image, 20, 10, {19.9, 9.9}) == Rgb(4, 0, 0));
+  for (const glm::dvec2 beside : {glm::dvec2(-0.1, 1.0), {1.0, -0.1}, {20.0, 1.0}, {1.0, 10.0}}) {
+    CHECK_FALSE(color_at(image, 20, 10, beside));
+  }
+}
+
+TEST_CASE("exposure brightens a picture by powers of two before it is encoded", "[unit][preview]") {
+  Image image(1, 2);
+  image.pixels = {Rgb(0.1f, 0.2f, 0.7f), Rgb(0.05f, 0.0f, 2.0f)};
+  Image brighter = image;
+  for (Rgb& pixel : brighter.pixels) pixel *= 2.0f;
+  CHECK(encode_srgb(image, 1.0) == encode_srgb(brighter));
+  CHECK(encode_srgb(brighter, -1.0) == encode_srgb(image));
+}
+
 TEST_CASE("a coarse picture comes first, then one that has a sample in every pixel", "[unit][preview]") {
   Cornell cornell;
   LiveRender live(cornell.loaded.scene, cornell.shelf);

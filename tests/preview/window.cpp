@@ -233,6 +233,17 @@ TEST_CASE("the still picture is that of raylab-render, bit for bit, also after a
   CHECK((read_exr(display.file("a.exr")).pixels != read_exr(display.file("b.exr")).pixels));
 }
 
+TEST_CASE("exposure changes what the window shows of the traced picture, and nothing that is saved", "[gui][preview]") {
+  const Display display;
+  display.run_script("key v\nwait still\npicture " + display.file("a.exr") + "\nkey =\nkey =\nwait still\nscreenshot " +
+                         display.file("bright.png") + "\npicture " + display.file("b.exr") +
+                         "\nkey v\nwait still\nscreenshot " + display.file("raster.png"),
+                     {"--no-hud"});
+  CHECK(near_to(at(read_image8(display.file("bright.png")), 5, 5), encoded(Rgb(0.2f, 0.4f, 1.0f))));
+  CHECK(near_to(at(read_image8(display.file("raster.png")), 5, 5), kSky));
+  CHECK((read_exr(display.file("a.exr")).pixels == read_exr(display.file("b.exr")).pixels));
+}
+
 TEST_CASE("two accelerators side by side, their difference and their disagreement", "[gui][preview]") {
   const Display display;
   display.run_script("key v\nkey 4\nkey c\nwait still\nscreenshot " + display.file("split.png") +
