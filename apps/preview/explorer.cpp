@@ -68,6 +68,10 @@ void Explorer::key_down(Key key) {
       break;
     case Key::h:
       help_ = !help_;
+      hud_ = true;
+      break;
+    case Key::u:
+      hud_ = !hud_;
       break;
     case Key::m:
       captured_ = !captured_;

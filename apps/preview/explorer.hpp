@@ -60,6 +60,7 @@ class Explorer {
   double exposure() const { return exposure_; }  ///< stops by which the traced picture is shown brighter than it is
   const glm::dvec2& pointer() const { return pointer_; }  ///< in pixels of the picture from its upper left corner
   bool shows_help() const { return help_; }
+  bool shows_hud() const { return hud_; }
   bool captures_mouse() const { return captured_; }
   bool leaves() const { return leaves_; }
   double speed() const { return speed_; }                        ///< scene units a second, before Shift and Ctrl
@@ -90,7 +91,7 @@ class Explorer {
   std::array<bool, kKeyCount> held_{};
   View view_ = View::raster;
   Compare compare_ = Compare::off;
-  bool focus_plane_ = false, help_ = false, captured_ = false, leaves_ = false, save_ = false;
+  bool focus_plane_ = false, help_ = false, hud_ = true, captured_ = false, leaves_ = false, save_ = false;
   bool moved_ = false, changed_ = false;
   std::optional<Picked> pivot_;
   int width_ = 1, height_ = 1;

@@ -4,8 +4,12 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <cmath>
+
 #include "backends/imgui_impl_glfw.h"
 #include "backends/imgui_impl_opengl3.h"
+#include "hud_text.hpp"
+#include "window.hpp"
 
 namespace raylab {
 
@@ -15,18 +19,18 @@ constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWin
                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 constexpr float kMargin = 8.0f;
 
-double millions_a_second(std::uint64_t count, double seconds) {
-  return seconds > 0.0 ? 1e-6 * static_cast<double>(count) / seconds : 0.0;
+void show_traced(const TracedPicture* picture, const std::string& accel, std::uint32_t wanted) {
+  for (const std::string& line : traced_text(picture, accel, wanted)) ImGui::TextUnformatted(line.c_str());
 }
 
-void show_traced(const char* label, const TracedPicture& picture, std::uint32_t wanted) {
-  ImGui::Text("%s%u of %u spp%s", label, picture.samples, wanted,
-              picture.complete       ? ", done"
-              : picture.samples == 0 ? ", coarse"
-                                     : "");
-  ImGui::Text("%.2f Mrays/s  %.2f Mpaths/s", millions_a_second(picture.stats.rays.total(), picture.seconds),
-              millions_a_second(picture.stats.rays.camera, picture.seconds));
-  if (picture.estimated_relmse < kInfinity) ImGui::Text("estimated relMSE %.3g", picture.estimated_relmse);
+/// The names with the digits that choose them.
+void show_accelerators(const Explorer& explorer) {
+  for (std::size_t i = 0; i < explorer.accels().size(); ++i) {
+    const std::string& name = explorer.accels()[i];
+    if (i % 3 != 0) ImGui::SameLine();
+    const std::string text = std::to_string(i + 1) + " " + name;
+    name == explorer.accel() ? ImGui::TextUnformatted(text.c_str()) : ImGui::TextDisabled("%s", text.c_str());
+  }
 }
 
 void show_accelerator(const AcceleratorShelf& shelf, const std::string& name, const char* label) {
@@ -43,19 +47,20 @@ void show_accelerator(const AcceleratorShelf& shelf, const std::string& name, co
 void show_camera(const CameraSettings& c, const Explorer& explorer) {
   ImGui::Text("from  %.4g %.4g %.4g", c.look_from.x, c.look_from.y, c.look_from.z);
   ImGui::Text("at    %.4g %.4g %.4g", c.look_at.x, c.look_at.y, c.look_at.z);
-  ImGui::Text("focus %.4g  defocus %.3g deg  vfov %.3g deg", c.focus_distance, c.defocus_angle, c.vfov);
-  ImGui::Text("speed %.3g/s%s", explorer.speed(), explorer.pivot() ? "  orbiting" : "");
+  ImGui::Text("field of view %.3g degrees", c.vfov);
+  ImGui::Text("focus at %.4g, aperture %.3g degrees", c.focus_distance, c.defocus_angle);
+  ImGui::Text("%s, %.3g units a second", explorer.pivot() ? "orbiting" : "flying", explorer.speed());
 }
 
 void show_materials(const Scene& scene) {
   if (!ImGui::CollapsingHeader("materials")) return;
-  ImGui::BeginChild("list", ImVec2(300.0f, 160.0f));
+  ImGui::BeginChild("list", ImVec2(23.0f * ImGui::GetFontSize(), 12.0f * ImGui::GetFontSize()));
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
     const Rgb c = m.color.kind == Texture::Kind::image ? scene.textures[m.color.image].mean : m.color.a;
     ImGui::PushID(static_cast<int>(i));
     ImGui::ColorButton("", ImVec4(linear_to_srgb(c.r), linear_to_srgb(c.g), linear_to_srgb(c.b), 1.0f),
-                       ImGuiColorEditFlags_NoTooltip, ImVec2(14.0f, 14.0f));
+                       ImGuiColorEditFlags_NoTooltip, ImVec2(ImGui::GetFontSize(), ImGui::GetFontSize()));
     ImGui::PopID();
     ImGui::SameLine();
     ImGui::Text("%s  %s", m.name.c_str(), kMaterialKindNames[static_cast<std::size_t>(m.kind)]);
@@ -78,7 +83,8 @@ void show_help() {
   ImGui::SetNextWindowPos(ImVec2(size.x - kMargin, kMargin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
   ImGui::Begin("help", nullptr, kPlain);
   for (const KeyHelp& line : key_help()) {
-    ImGui::Text("%-20s %s", line.keys, line.what);
+    ImGui::Text("%-20s %s", with_key_names(line.keys, keyboard_key_name).c_str(),
+                with_key_names(line.what, keyboard_key_name).c_str());
   }
   ImGui::End();
 }
@@ -98,19 +104,25 @@ void show_figures(const Scene& scene, const AcceleratorShelf& shelf, const Explo
   ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin), ImGuiCond_FirstUseEver);
   ImGui::Begin("raylab", nullptr, kPlain);
   const bool traced = explorer.view() == View::traced;
-  ImGui::Text("%s  %s  %dx%d  %.1f ms", scene.name.c_str(), traced ? "path traced" : "raster", figures.width,
-              figures.height, 1e3 * figures.frame_seconds);
-  if (!traced) ImGui::Text("%zu triangles drawn", figures.triangles_drawn);
+  ImGui::Text("%s  %s  %d x %d pixels", scene.name.c_str(), traced ? "path traced" : "raster", figures.width,
+              figures.height);
+  ImGui::Text("%zu triangles, %zu spheres", scene.geometry.triangle_count(), scene.geometry.spheres.size());
+  if (!traced && figures.triangles_drawn < scene.geometry.triangle_count()) {
+    ImGui::Text("%zu triangles drawn", figures.triangles_drawn);
+  }
+  show_accelerators(explorer);
   const bool both = traced && explorer.compare() != Compare::off;
   show_accelerator(shelf, explorer.accel(), both ? "left  " : "");
-  if (traced && figures.picture) show_traced("", *figures.picture, figures.samples_wanted);
+  if (traced) show_traced(figures.picture.get(), explorer.accel(), figures.samples_wanted);
   if (both) {
     show_accelerator(shelf, explorer.other_accel(), "right ");
-    if (figures.other) show_traced("", *figures.other, figures.samples_wanted);
+    show_traced(figures.other.get(), explorer.other_accel(), figures.samples_wanted);
     ImGui::Text("%s", figures.comparison.c_str());
   }
-  if (traced) ImGui::Text("ends at most %.0f ms after a move", 1e3 * figures.longest_stop_seconds);
   if (traced) {
+    if (figures.longest_stop_seconds > 0.0) {
+      ImGui::Text("a new view waited %.0f ms for the old one at most", 1e3 * figures.longest_stop_seconds);
+    }
     show_pixel(both ? "left  " : "", figures.picture.get(), explorer, figures);
     if (both) show_pixel("right ", figures.other.get(), explorer, figures);
     if (explorer.exposure() != 0.0) ImGui::Text("exposure %+g stops, on the screen alone", explorer.exposure());
@@ -118,17 +130,23 @@ void show_figures(const Scene& scene, const AcceleratorShelf& shelf, const Explo
   show_camera(explorer.camera(), explorer);
   show_materials(scene);
   if (!figures.failure.empty()) ImGui::TextWrapped("%s", figures.failure.c_str());
-  ImGui::TextDisabled("H help");
+  ImGui::TextDisabled("%s", with_key_names("{h} help, {u} hides this", keyboard_key_name).c_str());
   ImGui::End();
 }
 
 }  // namespace
 
-Hud::Hud(GLFWwindow* window) {
+Hud::Hud(GLFWwindow* window, float scale, float units_per_pixel) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind
   ImGui::StyleColorsDark();
+  // The text is made in pixels of the screen, and laid out in units of the window.
+  ImFontConfig font;
+  font.SizePixels = std::round(13.0f * scale);
+  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  ImGui::GetIO().FontGlobalScale = units_per_pixel;
+  ImGui::GetStyle().ScaleAllSizes(scale * units_per_pixel);
   ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.7f;
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");

@@ -11,7 +11,6 @@ namespace raylab {
 
 /// What the head-up display shows besides the explorer's own state.
 struct HudFigures {
-  double frame_seconds = 0.0;
   double longest_stop_seconds = 0.0;  ///< LiveRender's
   int width = 0, height = 0;
   std::size_t triangles_drawn = 0;               ///< of the raster view
@@ -25,7 +24,8 @@ struct HudFigures {
 /// The head-up display, drawn with Dear ImGui.
 class Hud {
  public:
-  explicit Hud(GLFWwindow* window);
+  /// `scale`: text is so many times 13 pixels high. `units_per_pixel`: of the window.
+  Hud(GLFWwindow* window, float scale, float units_per_pixel);
   ~Hud();
   Hud(const Hud&) = delete;
   Hud& operator=(const Hud&) = delete;

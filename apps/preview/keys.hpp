@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,7 @@ enum class Key : std::uint8_t {
   p,
   z,
   x,
+  u,
   minus,
   equal,
   space,
@@ -56,12 +58,18 @@ inline constexpr int kKeyCount = static_cast<int>(Key::count);
 std::optional<Key> parse_key(std::string_view name);
 std::string_view key_name(Key key);
 
-/// One line of the help.
+/// How a key is called where no keyboard says it: "W", "Space", "[".
+std::string plain_key_name(Key key);
+
+/// One line of the help. Keys stand in it as {w} or {space}, by their key_name().
 struct KeyHelp {
   const char* keys;
   const char* what;
 };
 std::span<const KeyHelp> key_help();
+
+/// The text with the keys in it named so.
+std::string with_key_names(std::string_view text, const std::function<std::string(Key)>& name);
 
 /// The help as plain text, for --help.
 std::string key_help_text();

@@ -199,6 +199,7 @@ Image LiveRender::trace_coarse(const TraceRequest& request, const Accelerator& a
 
   TracedPicture picture;
   picture.request = number;
+  picture.accel = request.accel;
   picture.image = coarse.snapshot().image();
   picture.stats = coarse.stats();
   picture.seconds = seconds;
@@ -227,6 +228,7 @@ void LiveRender::trace_all(const TraceRequest& request, const Accelerator& accel
     const Stopwatch snapshot_watch;
     TracedPicture picture;
     picture.request = number;
+    picture.accel = request.accel;
     picture.stats = all.stats();
     picture.seconds = watch.seconds();
     take_snapshot(all, coarse, picture);

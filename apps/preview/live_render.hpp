@@ -22,6 +22,7 @@ struct TraceRequest {
 /// What has been traced of a request so far.
 struct TracedPicture {
   std::uint64_t request = 0;  ///< number of the request it answers, see LiveRender::ask
+  std::string accel;          ///< that traced it
   Image image;                ///< linear; where no sample is yet, what the coarse picture says
   std::uint32_t samples = 0;  ///< that every pixel has; 0 for the coarse picture
   bool complete = false;      ///< all samples asked for: the picture raylab-render makes

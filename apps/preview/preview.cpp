@@ -55,7 +55,7 @@ Preview::Preview(const PreviewCommand& command, const LoadedScene& loaded)
       explorer_(scene_, loaded.camera, camera_file_, shelf_, accelerator_names(), command.accel),
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),
       raster_(scene_),
-      hud_(window_.handle()),
+      hud_(window_.handle(), command.scale.value_or(window_.text_scale()), window_.units_per_pixel()),
       script_(read_script(command.script)),
       first_surfaces_(shelf_) {
   if (command.view == "traced") explorer_.set_view(View::traced);
@@ -178,23 +178,26 @@ void Preview::update_comparison() {
     picture_view_.set_right(image.width, image.height,
                             what.exposure == 0.0 ? shown_other_->srgb : encode_srgb(image, what.exposure));
     compared_ = comparing_what_ = what;
-    compared_text_ = "left " + explorer_.accel() + ", right " + explorer_.other_accel();
+    compared_text_ = "left " + shown_->accel + ", right " + shown_other_->accel;
     return;
   }
   comparing_what_ = what;
   comparing_ = std::async(std::launch::async, [kind, exposure = what.exposure, a = shown_, b = shown_other_,
-                                               request = *asked_, left = shelf_.find(explorer_.accel()),
+                                               request = *asked_,
+                                               names = explorer_.accel() + " and " + explorer_.other_accel() + ", ",
+                                               left = shelf_.find(explorer_.accel()),
                                                right = shelf_.find(explorer_.other_accel())] {
     ComparedPicture made;
     Image image(1, 1);
     if (kind == Compare::disagreement && left != nullptr && right != nullptr) {
       RayComparison d =
           compare_rays(*left, *right, request.options.camera, request.options.width, request.options.height);
-      made.text = d.text();
+      made.text = names + d.text();
       image = std::move(d.picture);
     } else if (kind == Compare::difference && a->image.width == b->image.width && a->image.height == b->image.height) {
       const ImageError error = image_error(b->image, a->image);
-      made.text = std::to_string(error.different_pixels) + " pixels differ, relMSE " + std::to_string(error.relmse);
+      made.text = a->accel + " and " + b->accel + ": " + std::to_string(error.different_pixels) +
+                  " pixels differ, relMSE " + std::to_string(error.relmse);
       image = error_picture(b->image, a->image);
     }
     made.width = image.width;
@@ -241,9 +244,8 @@ void Preview::draw() {
   for (const std::string& file : pictures_) save_picture(file);
   pictures_.clear();
   if (explorer_.take_save_request()) save_under_new_names();
-  if (!command_.hud) return;
+  if (!command_.hud || !explorer_.shows_hud()) return;
   HudFigures figures;
-  figures.frame_seconds = frame_seconds_;
   figures.longest_stop_seconds = live_->longest_stop_seconds();
   figures.width = width_;
   figures.height = height_;

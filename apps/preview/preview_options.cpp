@@ -30,6 +30,9 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
   app.add_option("--screenshot", command.screenshot,
                  "Write the window as a PNG at the end; alone, after the first frame or the still picture");
   app.add_flag("!--no-hud", command.hud, "Show nothing but the picture");
+  app.add_option("--scale", command.scale,
+                 "Text so many times as large as 13 pixels (default: what the monitor asks for)")
+      ->check(CLI::Range(0.5f, 8.0f));
   if (!parse_or_tell(app, argc, argv, exit_code)) return std::nullopt;
   return command;
 }

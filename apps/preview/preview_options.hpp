@@ -14,6 +14,7 @@ struct PreviewCommand : PictureCommand {
   std::optional<int> frames;
   std::string screenshot;
   bool hud = true;
+  std::optional<float> scale;  ///< of the text; absent: the monitor's
 
   /// Whether it runs by itself: no one is there to wait for, and frames follow each other by a fixed time.
   bool headless() const { return !script.empty() || frames || !screenshot.empty(); }

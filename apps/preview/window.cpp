@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -37,6 +38,7 @@ constexpr std::pair<int, Key> kKeys[]{
     {GLFW_KEY_P, Key::p},
     {GLFW_KEY_Z, Key::z},
     {GLFW_KEY_X, Key::x},
+    {GLFW_KEY_U, Key::u},
     {GLFW_KEY_MINUS, Key::minus},
     {GLFW_KEY_KP_SUBTRACT, Key::minus},
     {GLFW_KEY_EQUAL, Key::equal},
@@ -78,6 +80,18 @@ bool is_set(const char* variable) {
 bool hud_has_mouse() { return ImGui::GetCurrentContext() != nullptr && ImGui::GetIO().WantCaptureMouse; }
 
 }  // namespace
+
+std::string keyboard_key_name(Key key) {
+  for (const auto& [number, meaning] : kKeys) {
+    if (meaning != key) continue;
+    const char* name = glfwGetKeyName(number, 0);
+    if (name == nullptr) break;  // no printable key
+    std::string shown = name;
+    if (shown.size() == 1) shown[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(shown[0])));
+    return shown;
+  }
+  return plain_key_name(key);
+}
 
 WindowSystem::WindowSystem() {
   const bool x11 = is_set("DISPLAY"), wayland = is_set("WAYLAND_DISPLAY");
@@ -166,6 +180,19 @@ void Window::poll(double wait_seconds) {
   else
     glfwPollEvents();
   update_capture();
+}
+
+float Window::text_scale() const {
+  float x = 1.0f, y = 1.0f;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return y;
+}
+
+float Window::units_per_pixel() const {
+  int width = 1, height = 1, units_x = 1, units_y = 1;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glfwGetWindowSize(window_, &units_x, &units_y);
+  return height > 0 ? static_cast<float>(units_y) / static_cast<float>(height) : 1.0f;
 }
 
 void Window::swap() { glfwSwapBuffers(window_); }

@@ -17,6 +17,9 @@ class WindowSystem {
   WindowSystem& operator=(const WindowSystem&) = delete;
 };
 
+/// How the keyboard that is used calls the key: on a French one Key::w is Z.
+std::string keyboard_key_name(Key key);
+
 /// A window with a current OpenGL 3.3 context, whose keys and mouse go to an explorer.
 class Window {
  public:
@@ -39,6 +42,11 @@ class Window {
   /// As if the pointer had moved by so many pixels.
   void move_mouse(double dx, double dy) { mouse_.move_by(dx, dy); }
   bool closing() const;
+
+  /// By how much the monitor wants text larger than in pixels of old: 2 where its pixels are half as large.
+  float text_scale() const;
+  /// Units of the window to a pixel of the picture, at most 1.
+  float units_per_pixel() const;
 
   GLFWwindow* handle() const { return window_; }
 

@@ -59,6 +59,26 @@ TEST_CASE("every key has a name that reads back as the key", "[unit][preview]") 
   CHECK_FALSE(parse_key("hyper"));
 }
 
+TEST_CASE("the help calls keys as the keyboard does", "[unit][preview]") {
+  const auto french = [](Key key) { return key == Key::w ? std::string("Z") : plain_key_name(key); };
+  CHECK(with_key_names("{w} {a} / {space}", french) == "Z A / Space");
+  CHECK(with_key_names("{[} / {]}, {escape}", plain_key_name) == "[ / ], Escape");
+  for (const KeyHelp& line : key_help()) {
+    CHECK(with_key_names(line.keys, plain_key_name).find_first_of("{}") == std::string::npos);
+    CHECK(with_key_names(line.what, plain_key_name).find_first_of("{}") == std::string::npos);
+  }
+}
+
+TEST_CASE("U hides all text, and help brings it back", "[unit][preview]") {
+  Ball ball;
+  CHECK(ball.explorer->shows_hud());
+  ball.press(Key::u);
+  CHECK_FALSE(ball.explorer->shows_hud());
+  ball.press(Key::h);
+  CHECK(ball.explorer->shows_hud());
+  CHECK(ball.explorer->shows_help());
+}
+
 TEST_CASE("the keys move the camera the way they say", "[unit][preview]") {
   struct Way {
     Key key;

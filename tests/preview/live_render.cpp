@@ -8,6 +8,7 @@
 
 #include "../catch.hpp"
 #include "comparison.hpp"
+#include "hud_text.hpp"
 #include "raylab/io/scene_file.hpp"
 
 using namespace raylab;
@@ -170,6 +171,26 @@ TEST_CASE("neither asking nor resting waits for what is traced, which then ends 
   REQUIRE(traces);
   INFO("a pass takes " << one_pass << " batches at most");
   CHECK(Gate::batches - begun < one_pass / 4);
+}
+
+TEST_CASE("no accelerator's figures stand under another's name while the other's picture is on its way",
+          "[unit][preview]") {
+  Cornell cornell;
+  LiveRender live(cornell.loaded.scene, cornell.shelf);
+  const std::uint64_t number = live.ask(cornell.request(20, 3));
+  REQUIRE(eventually([&] { return live.latest() && live.latest()->request == number && live.latest()->complete; }));
+  CHECK(traced_text(live.latest().get(), "bvh", 3).at(0) == "3 of 3 samples a pixel, done");
+  Gate::closed = true;
+  TraceRequest request = cornell.request(20, 3);
+  request.accel = "gate";
+  live.ask(request);
+  const std::vector<std::string> meanwhile = traced_text(live.latest().get(), "gate", 3);
+  Gate::closed = false;
+  Gate::closed.notify_all();
+  REQUIRE(meanwhile.size() == 1);
+  CHECK(meanwhile[0].find_first_of("0123456789") == std::string::npos);
+  CHECK(meanwhile[0].find("that of bvh") != std::string::npos);
+  REQUIRE(eventually([&] { return traced_text(live.latest().get(), "gate", 3).size() == 3; }));
 }
 
 TEST_CASE("each request is answered, whatever was asked before", "[unit][preview]") {

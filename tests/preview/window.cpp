@@ -137,6 +137,28 @@ TEST_CASE("the head-up display shows text, and nothing without it", "[gui][previ
   CHECK(bright_pixels(bare) == 0);
 }
 
+TEST_CASE("text is as large as --scale says, and U hides it", "[gui][preview]") {
+  const Display display;
+  const auto text_rows = [&](const std::string& scale) {  // pixels down to the last bright one of the panel
+    display.run_script("wait 3\nscreenshot " + display.file("hud.png"),
+                       {"--width", "600", "--height", "600", "--scale", scale});
+    const Image8 shot = read_image8(display.file("hud.png"));
+    int rows = 0;
+    for (int y = 0; y < shot.height; ++y) {
+      for (int x = 8; x < 80; ++x) {
+        if (near_to(at(shot, x, y), {255, 255, 255}, 30)) rows = y;
+      }
+    }
+    return rows;
+  };
+  const int small = text_rows("1"), large = text_rows("2");
+  CHECK(small > 60);
+  CHECK(std::abs(large - 2 * small) < 0.15 * large);
+  display.run_script("wait 2\nkey u\nscreenshot " + display.file("hidden.png"));
+  CHECK(near_to(at(read_image8(display.file("hidden.png")), 12, 12), kSky));
+  CHECK(display.preview({display.scene, "--scale", "0"}).exit_code == 2);
+}
+
 TEST_CASE("the focus plane is translucent, lies where the focus is and ends at its edge", "[gui][preview]") {
   const Display display;
   display.run_script("screenshot " + display.file("without.png") + "\nclick 100 100\nkey f\nscreenshot " +
