@@ -17,7 +17,7 @@ struct HudFigures {
   std::shared_ptr<const TracedPicture> picture;  ///< of the traced view, or null
   std::shared_ptr<const TracedPicture> other;    ///< of the accelerator compared with, or null
   std::uint32_t samples_wanted = 0;
-  std::string comparison;  ///< one line about it
+  std::string comparison;  ///< a few lines about it
   std::string failure;
 };
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <thread>
 
@@ -256,9 +257,42 @@ TEST_CASE("a comparison counts what two accelerators say of the camera rays", "[
   const RayComparison none = compare_rays(bvh, cornell.shelf.get("list"), camera, 50, 40);
   CHECK(none.rays == 2000);
   CHECK(none.presence + none.distance + none.primitive + none.last_bits == 0);
-  const RayComparison all = compare_rays(bvh, Blind(), camera, 50, 50);
-  CHECK(all.presence > 2000);
-  CHECK(all.presence < 2500);  // the box does not fill the picture
-  CHECK(all.picture.at(25, 25) == Rgb(1.0f, 0.0f, 0.0f));
+  const RayComparison all = compare_rays(bvh, Blind(), camera, 200, 200);
+  CHECK(all.presence > 32000);
+  CHECK(all.presence < 40000);  // the box does not fill the picture
+  CHECK(all.picture.at(100, 100) == Rgb(1.0f, 0.0f, 0.0f));
   CHECK(all.picture.at(0, 0) == none.picture.at(0, 0));
+}
+
+TEST_CASE("the one ray of a picture that meets nothing in one accelerator can be seen among blue ones",
+          "[unit][preview]") {
+  /// `bvh`, but for a last bit of every t, and for one ray: that through the middle of a pixel.
+  struct NearlyRight : Accelerator {
+    const Accelerator* right = nullptr;
+    vec3 wrong;  // direction
+    std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+      std::optional<Hit> hit = right->intersect(ray);
+      if (ray.direction == wrong) return std::nullopt;
+      if (hit) hit->t = std::nextafter(hit->t, 0.0f);
+      return hit;
+    }
+    bool occluded(const Ray& ray) const noexcept override { return right->occluded(ray); }
+    const BuildReport& build_report() const noexcept override { return right->build_report(); }
+  };
+  Cornell cornell;
+  const Accelerator& bvh = cornell.shelf.get("bvh");
+  NearlyRight other;
+  other.right = &bvh;
+  const int x = GENERATE(20, 48);
+  other.wrong = Camera(cornell.loaded.camera, 50, 50).ray(static_cast<float>(x) + 0.5f, 25.5f, vec2(0.5f)).direction;
+  const RayComparison compared = compare_rays(bvh, other, cornell.loaded.camera, 50, 50);
+  CHECK(compared.presence == 1);
+  CHECK(compared.last_bits > 2000);
+  const Rgb red(1.0f, 0.0f, 0.0f), blue = compared.picture.at(25, 10);
+  CHECK(blue.b > blue.r);
+  CHECK(luminance(blue) < 0.1f);
+  int reds = 0;
+  for (const Rgb& pixel : compared.picture.pixels) reds += pixel == red;
+  CHECK(reds == (x == 20 ? 49 : 7 * 5));
+  CHECK(compared.picture.at(x, 25) == red);
 }
