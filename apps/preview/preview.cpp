@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kScriptFrame = 1.0 / 60.0;  // seconds: what a script does must not depend on the machine
 constexpr double kIdleSeconds = 0.03;        // to wait for events where only a traced picture may change
+constexpr double kRestingSeconds = 0.5;      // the same where nothing will change by itself
+constexpr int kSettlingFrames = 4;           // after an event: the display takes some to answer the pointer
 // A full raster picture may take a second, which must not come between two moves.
 constexpr double kRestSeconds = 0.25;
 constexpr double kLongestStep = 0.1;  // seconds: a frame that took longer must not throw the camera far
@@ -109,6 +111,12 @@ bool Preview::is_still() const {
   if (explorer_.compare() == Compare::off) return true;
   const bool compared = explorer_.compare() == Compare::split || (!comparing_.valid() && compared_ == comparing_what_);
   return done(*other_, other_number_) && compared;
+}
+
+/// Whether no display of building one is on the screen.
+bool Preview::has_accelerators() const {
+  return shelf_.find(explorer_.accel()) != nullptr &&
+         (explorer_.compare() == Compare::off || shelf_.find(explorer_.other_accel()) != nullptr);
 }
 
 void Preview::run_script() {
@@ -295,11 +303,17 @@ void Preview::run() {
   Stopwatch since_start;
   double before = since_start.seconds();
   while (!window_.closing() && !explorer_.leaves()) {
-    const bool idle = drawn_still_ || explorer_.view() == View::traced;
-    window_.poll(idle && !command_.headless() && !explorer_.moved() ? kIdleSeconds : 0.0);
+    const bool idle = (drawn_still_ || explorer_.view() == View::traced) && !command_.headless() && !explorer_.moved();
+    const bool rests = idle && drawn_still_ && quiet_frames_ >= kSettlingFrames && has_accelerators();
+    const bool heard = window_.poll(rests ? kRestingSeconds : idle ? kIdleSeconds : 0.0);
+    quiet_frames_ = heard || !drawn_still_ ? 0 : quiet_frames_ + 1;
     const double now = since_start.seconds();
     frame_seconds_ = now - before;
     before = now;
+    if (rests && !heard) {  // what is on the screen stays right
+      before = now;
+      continue;
+    }
     window_.size(width_, height_);
     explorer_.resize(width_, height_);
     run_script();

@@ -44,6 +44,7 @@ class Preview {
   void run_script();
   void ask_for_pictures();
   bool is_still() const;
+  bool has_accelerators() const;
   bool has_plane_in_traced() const;
   void draw();
   void draw_traced();
@@ -81,6 +82,7 @@ class Preview {
   int frames_ = 0;
   double last_move_ = -1.0;  // seconds since the start
   bool moves_ = false;
+  int quiet_frames_ = 0;                             // drawn still since anything was heard of
   bool drawn_still_ = false;                         // the frame before was drawn with nothing left to come
   std::vector<std::string> screenshots_, pictures_;  // to be made at the end of this frame
 };

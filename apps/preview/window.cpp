@@ -124,19 +124,29 @@ Window::Window(const std::string& title, int width, int height, bool vsync, Expl
   glfwSetMouseButtonCallback(
       window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
-  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int entered) { window_of(w).entered_ = entered == GLFW_TRUE; });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int entered) {
+    window_of(w).heard_ = true;
+    window_of(w).entered_ = entered == GLFW_TRUE;
+  });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
+    window_of(w).heard_ = true;
     if (!hud_has_mouse()) window_of(w).explorer_.scroll(y);
   });
   // Keys that come up while another window has the keyboard are never heard of.
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
+    window_of(w).heard_ = true;
     if (focused == GLFW_FALSE) window_of(w).explorer_.release_keys();
   });
+  // What was covered is to be drawn anew, and a picture of another size too.
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { window_of(w).heard_ = true; });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { window_of(w).heard_ = true; });
+  glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { window_of(w).heard_ = true; });
 }
 
 Window::~Window() { glfwDestroyWindow(window_); }
 
 void Window::on_key(int key, int action) {
+  heard_ = true;
   const std::optional<Key> known = key_of(key);
   if (!known) return;
   if (action == GLFW_PRESS) explorer_.key_down(*known);
@@ -144,11 +154,13 @@ void Window::on_key(int key, int action) {
 }
 
 void Window::on_button(int button, int action) {
+  heard_ = true;
   if (action == GLFW_RELEASE) return mouse_.release(button == GLFW_MOUSE_BUTTON_LEFT);
   if (!hud_has_mouse()) mouse_.press();
 }
 
 void Window::on_move(double x, double y) {
+  heard_ = true;
   const glm::dvec2 to = pixels(x, y);
   // Capturing pulls a pointer in from wherever it is; that would throw the camera about.
   if (std::exchange(entered_, false)) return mouse_.put(to.x, to.y);
@@ -174,12 +186,13 @@ void Window::update_capture() {
   mouse_.put(at.x, at.y);
 }
 
-void Window::poll(double wait_seconds) {
+bool Window::poll(double wait_seconds) {
   if (wait_seconds > 0.0)
     glfwWaitEventsTimeout(wait_seconds);
   else
     glfwPollEvents();
   update_capture();
+  return std::exchange(heard_, false);
 }
 
 float Window::text_scale() const {

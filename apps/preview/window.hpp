@@ -29,8 +29,9 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Handles what has happened; waits for it at most so long where nothing has.
-  void poll(double wait_seconds);
+  /// Handles what has happened; waits for it at most so long where nothing has. Returns whether anything had: a key,
+  /// the mouse, or the window itself.
+  bool poll(double wait_seconds);
   void swap();
 
   /// Size in pixels; 0 x 0 while minimised.
@@ -62,6 +63,7 @@ class Window {
   Explorer& explorer_;
   Mouse mouse_;
   bool captured_ = false;
+  bool heard_ = false;    // of something, since the last poll
   bool entered_ = false;  // the pointer, and where is not heard of yet
 };
 

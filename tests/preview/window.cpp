@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include "../catch.hpp"
 #include "../run_program.hpp"
@@ -297,6 +298,23 @@ TEST_CASE("resizing, minimising and closing while tracing, ten times each", "[gu
   for (int i = 1; i <= 10; ++i) {
     display.run_script("key v\nwait " + std::to_string(i) + "\nclose\nwait 1000000", {"--spp", "1000000"});
   }
+}
+
+TEST_CASE("a window in which nothing happens costs less than a hundredth of a core", "[gui][preview]") {
+  const Display display;
+  const std::string view = GENERATE("raster", "traced");
+  // Ticks of 10 ms that the program has run for, before and after five seconds; fields 14 and 15 of stat.
+  const std::string script = "\"$0\" \"$1\" --view " + view +
+                             " & pid=$!; sleep 4; cut -d' ' -f14,15 /proc/$pid/stat; sleep 5; "
+                             "cut -d' ' -f14,15 /proc/$pid/stat; kill $pid";
+  const ProgramResult result =
+      run_program(RAYLAB_XVFB_RUN, {"-a", "-s", "-screen 0 1280x1024x24", "sh", "-c", script, kPreview, display.scene});
+  std::istringstream ticks(result.out);
+  int user = 0, system = 0, user_after = 0, system_after = 0;
+  ticks >> user >> system >> user_after >> system_after;
+  INFO(result.out << result.err);
+  REQUIRE(user + system > 0);
+  CHECK(user_after + system_after - user - system < 5);
 }
 
 TEST_CASE("without a display it says so in one line and fails", "[gui][preview]") {
