@@ -14,7 +14,8 @@ namespace raylab {
 /// The accelerators of one scene, each built when first asked for and then kept. Safe from many threads.
 class AcceleratorShelf {
  public:
-  /// The geometry must outlive the shelf, unchanged. Of the options each accelerator is given those it takes.
+  /// The geometry must outlive the shelf, and not change but after clear(). Of the options each accelerator is given
+  /// those it takes.
   explicit AcceleratorShelf(const Geometry& geometry, const AcceleratorOptions& options = {})
       : geometry_(geometry), options_(options) {}
 
@@ -38,6 +39,13 @@ class AcceleratorShelf {
       } catch (const std::exception&) {
       }
     }));
+  }
+
+  /// Forgets all accelerators, before the geometry changes: none may be in use. Waits for what is being built.
+  void clear() {
+    wanted_.clear();
+    const std::lock_guard lock(mutex_);
+    made_.clear();
   }
 
   /// The accelerator, or null while it is not built. Never waits.

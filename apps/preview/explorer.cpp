@@ -79,6 +79,9 @@ void Explorer::key_down(Key key) {
     case Key::p:
       save_ = true;
       break;
+    case Key::f5:
+      reload_ = true;
+      break;
     case Key::escape:
       leaves_ = true;
       break;
@@ -170,6 +173,7 @@ void Explorer::write_camera() {
     const bool wrote = file_.write(camera());
     say(wrote ? "camera written to " + file_.file().string() : "the file has this camera already");
     first_camera_ = camera();
+    written_ = true;
   } catch (const Error& e) {
     say(std::string(e.what()) + "; Enter again writes the camera into it");
   }
@@ -191,6 +195,14 @@ void Explorer::point(double x, double y) { pointer_ = {x, y}; }
 void Explorer::scroll(double notches) {
   speed_ *= std::pow(kNotch, notches);
   say("speed " + number(speed_) + " a second");
+}
+
+void Explorer::change_scene(const CameraSettings& camera) {
+  if (camera != first_camera_) viewpoint_ = Viewpoint(camera);
+  first_camera_ = camera;
+  pivot_.reset();
+  shelf_.want(accel());
+  changed_ = true;
 }
 
 void Explorer::resize(int width, int height) {

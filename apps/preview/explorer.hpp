@@ -48,6 +48,9 @@ class Explorer {
   /// Moves on by so many seconds with the keys that are held.
   void step(double seconds);
 
+  /// The scene is another one now, with this camera in its file: goes there if the file's camera has changed.
+  void change_scene(const CameraSettings& camera);
+
   const CameraSettings& camera() const { return viewpoint_.settings(); }
   const Viewpoint& viewpoint() const { return viewpoint_; }
   bool moved() const { return moved_; }  ///< in the last step
@@ -71,6 +74,10 @@ class Explorer {
 
   /// Whether a picture was asked for since the last call.
   bool take_save_request() { return std::exchange(save_, false); }
+  /// Whether the scene is to be read again, the same.
+  bool take_reload_request() { return std::exchange(reload_, false); }
+  /// Whether the camera was written to the scene file, the same.
+  bool take_written() { return std::exchange(written_, false); }
 
  private:
   bool held(Key key) const { return held_[static_cast<std::size_t>(key)]; }
@@ -91,7 +98,8 @@ class Explorer {
   std::array<bool, kKeyCount> held_{};
   View view_ = View::raster;
   Compare compare_ = Compare::off;
-  bool focus_plane_ = false, help_ = false, hud_ = true, captured_ = false, leaves_ = false, save_ = false;
+  bool focus_plane_ = false, help_ = false, hud_ = true, captured_ = false, leaves_ = false, save_ = false,
+       reload_ = false, written_ = false;
   bool moved_ = false, changed_ = false;
   std::optional<Picked> pivot_;
   int width_ = 1, height_ = 1;

@@ -25,6 +25,12 @@ class FirstSurfaces {
   /// Whether depths() are those of this view.
   bool known(const CameraSettings& camera, int width, int height) const;
 
+  /// Forgets all depths, after waiting for those that are being found.
+  void clear() {
+    finding_ = {};
+    known_ = {};
+  }
+
   int width() const { return known_.width; }
   int height() const { return known_.height; }
   const std::vector<float>& depths() const { return depths_; }

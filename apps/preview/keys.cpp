@@ -9,9 +9,9 @@ namespace raylab {
 namespace {
 
 constexpr std::array<std::string_view, kKeyCount> kNames{
-    "w", "a",     "s",       "d", "q", "e",     "r",   "f",     "v",      "c",    "b",         "m",  "h",    "p",
-    "z", "x",     "u",       "-", "=", "space", "tab", "enter", "escape", "home", "backspace", "up", "down", "[",
-    "]", "shift", "control", "1", "2", "3",     "4",   "5",     "6",      "7",    "8",         "9"};
+    "w", "a", "s",     "d",       "q", "e", "r",     "f",   "v",     "c",      "b",    "m",         "h",  "p",
+    "z", "x", "u",     "f5",      "-", "=", "space", "tab", "enter", "escape", "home", "backspace", "up", "down",
+    "[", "]", "shift", "control", "1", "2", "3",     "4",   "5",     "6",      "7",    "8",         "9"};
 
 constexpr KeyHelp kHelp[]{
     {"{w} {a} {s} {d}", "fly forward, left, back, right"},
@@ -34,6 +34,7 @@ constexpr KeyHelp kHelp[]{
     {"{c}", "compare two: side by side, difference, where rays disagree"},
     {"{b}", "choose the accelerator to compare with"},
     {"{p}", "save the picture, PNG and EXR"},
+    {"{f5}", "read the scene again, as also happens when its files change"},
     {"{u}", "hide all text, and show it again"},
     {"{h}", "this help"},
     {"{escape}", "leave, writing nothing"},

@@ -27,6 +27,7 @@ enum class Key : std::uint8_t {
   z,
   x,
   u,
+  f5,
   minus,
   equal,
   space,

@@ -17,6 +17,7 @@ namespace {
 constexpr double kScriptFrame = 1.0 / 60.0;  // seconds: what a script does must not depend on the machine
 constexpr double kIdleSeconds = 0.03;        // to wait for events where only a traced picture may change
 constexpr double kRestingSeconds = 0.5;      // the same where nothing will change by itself
+constexpr double kLookSeconds = 0.5;         // between two looks at the scene's files
 constexpr int kSettlingFrames = 4;           // after an event: the display takes some to answer the pointer
 // A full raster picture may take a second, which must not come between two moves.
 constexpr double kRestSeconds = 0.25;
@@ -35,6 +36,11 @@ std::vector<std::string> accelerator_names() {
   return names;
 }
 
+CameraFile camera_file(const PreviewCommand& command, const LoadedScene& loaded) {
+  if (!loaded.made_for_model) return CameraFile(command.scene);
+  return CameraFile(std::filesystem::path(command.scene).replace_extension(".toml"), loaded.text);
+}
+
 bool same_view(const TraceRequest& a, const TraceRequest& b) {
   const auto view = [](const TraceRequest& r) {
     const CameraSettings& c = r.options.camera;
@@ -46,15 +52,15 @@ bool same_view(const TraceRequest& a, const TraceRequest& b) {
 
 }  // namespace
 
-Preview::Preview(const PreviewCommand& command, const LoadedScene& loaded)
+Preview::Preview(const PreviewCommand& command, LoadedScene loaded)
     : command_(command),
-      scene_(loaded.scene),
-      options_(preview_render_options(command, loaded)),
-      camera_file_(loaded.made_for_model
-                       ? CameraFile(std::filesystem::path(command.scene).replace_extension(".toml"), loaded.text)
-                       : CameraFile(command.scene)),
+      loaded_(std::move(loaded)),
+      scene_(loaded_.scene),
+      watched_(loaded_.files),
+      options_(preview_render_options(command, loaded_)),
+      camera_file_(camera_file(command, loaded_)),
       shelf_(scene_.geometry, accelerator_options(command)),
-      explorer_(scene_, loaded.camera, camera_file_, shelf_, accelerator_names(), command.accel),
+      explorer_(scene_, loaded_.camera, camera_file_, shelf_, accelerator_names(), command.accel),
       window_("Raylab: " + scene_.name, options_.width, options_.height, !command.headless(), explorer_),
       raster_(scene_),
       hud_(window_.handle(), command.scale.value_or(window_.text_scale()), window_.units_per_pixel()),
@@ -100,7 +106,7 @@ bool Preview::has_plane_in_traced() const {
 }
 
 bool Preview::is_still() const {
-  if (moves_ || width_ == 0) return false;
+  if (moves_ || width_ == 0 || loading_.valid()) return false;
   if (explorer_.view() == View::raster) return true;
   const auto done = [](const LiveRender& live, std::uint64_t number) {
     const auto picture = live.latest();
@@ -111,6 +117,54 @@ bool Preview::is_still() const {
   if (explorer_.compare() == Compare::off) return true;
   const bool compared = explorer_.compare() == Compare::split || (!comparing_.valid() && compared_ == comparing_what_);
   return done(*other_, other_number_) && compared;
+}
+
+bool Preview::reload(double now) {
+  bool wanted = explorer_.take_reload_request();
+  if (explorer_.take_written()) watched_.remember();  // that was no one else
+  if (now >= next_look_) {
+    next_look_ = now + kLookSeconds;
+    wanted |= watched_.changed();
+  }
+  if (wanted && !loading_.valid()) {
+    watched_.remember();
+    loading_ = std::async(std::launch::async, [this] { return load_scene(command_.scene, command_.load_options()); });
+  }
+  if (!loading_.valid()) return false;
+  if (loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
+  try {
+    change_scene(loading_.get());
+    explorer_.say("read the scene again");
+  } catch (const Error& e) {
+    explorer_.say(std::string(e.what()) + "; the scene stays as it was");
+  }
+  return true;
+}
+
+void Preview::change_scene(LoadedScene loaded) {
+  options_ = preview_render_options(command_, loaded);
+  tell_warnings(loaded);
+  // Whoever reads the scene ends first.
+  live_.reset();
+  other_.reset();
+  comparing_ = {};
+  first_surfaces_.clear();
+  shelf_.clear();
+  raster_.reset();
+  loaded_ = std::move(loaded);
+  watched_ = WatchedFiles(loaded_.files);
+  // What was written for a model is from then on the user's.
+  if (!loaded_.made_for_model || !std::filesystem::exists(camera_file_.file())) {
+    camera_file_ = camera_file(command_, loaded_);
+  }
+  explorer_.change_scene(loaded_.camera);
+  raster_.emplace(scene_);
+  live_.emplace(scene_, shelf_);
+  asked_.reset();
+  asked_other_.reset();
+  shown_.reset();
+  shown_other_.reset();
+  compared_ = comparing_what_ = {};
 }
 
 /// Whether no display of building one is on the screen.
@@ -232,7 +286,7 @@ void Preview::draw_traced() {
     update_comparison();
   }
   const CameraSettings& camera = explorer_.camera();
-  if (!shown_) return raster_.draw(camera, width_, height_, {moves_, explorer_.shows_focus_plane()});
+  if (!shown_) return raster_->draw(camera, width_, height_, {moves_, explorer_.shows_focus_plane()});
   picture_view_.draw(width_, height_, compare == Compare::off ? 1.0f : compare == Compare::split ? 0.5f : 0.0f);
   if (!has_plane_in_traced()) return;
   if (!moves_ && first_surfaces_.update(camera, width_, height_)) {
@@ -246,7 +300,7 @@ void Preview::draw() {
   if (explorer_.view() == View::traced) {
     draw_traced();
   } else {
-    raster_.draw(explorer_.camera(), width_, height_, {moves_, explorer_.shows_focus_plane()});
+    raster_->draw(explorer_.camera(), width_, height_, {moves_, explorer_.shows_focus_plane()});
   }
   // Before the display goes over it.
   for (const std::string& file : pictures_) save_picture(file);
@@ -257,7 +311,7 @@ void Preview::draw() {
   figures.longest_stop_seconds = live_->longest_stop_seconds();
   figures.width = width_;
   figures.height = height_;
-  figures.triangles_drawn = raster_.triangles_drawn();
+  figures.triangles_drawn = raster_->triangles_drawn();
   figures.picture = shown_;
   figures.other = shown_other_;
   figures.samples_wanted = options_.samples_per_pixel;
@@ -303,14 +357,16 @@ void Preview::run() {
   Stopwatch since_start;
   double before = since_start.seconds();
   while (!window_.closing() && !explorer_.leaves()) {
-    const bool idle = (drawn_still_ || explorer_.view() == View::traced) && !command_.headless() && !explorer_.moved();
+    const bool idle = (drawn_still_ || explorer_.view() == View::traced || loading_.valid()) && !command_.headless() &&
+                      !explorer_.moved();
     const bool rests = idle && drawn_still_ && quiet_frames_ >= kSettlingFrames && has_accelerators();
     const bool heard = window_.poll(rests ? kRestingSeconds : idle ? kIdleSeconds : 0.0);
     quiet_frames_ = heard || !drawn_still_ ? 0 : quiet_frames_ + 1;
     const double now = since_start.seconds();
     frame_seconds_ = now - before;
     before = now;
-    if (rests && !heard) {  // what is on the screen stays right
+    const bool reloads = reload(now);
+    if (rests && !heard && !reloads) {  // what is on the screen stays right
       before = now;
       continue;
     }

@@ -12,6 +12,7 @@
 #include "raster_view.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "script.hpp"
+#include "watched_files.hpp"
 #include "window.hpp"
 
 namespace raylab {
@@ -20,7 +21,7 @@ namespace raylab {
 class Preview {
  public:
   /// Opens the window. Throws Error: input and usage before anything is shown, failure without OpenGL 3.3.
-  Preview(const PreviewCommand& command, const LoadedScene& loaded);
+  Preview(const PreviewCommand& command, LoadedScene loaded);
   ~Preview();
 
   /// Until the user leaves, or the script or the number of frames ends.
@@ -41,6 +42,9 @@ class Preview {
     std::string text;
   };
 
+  /// Reads the scene again where that is asked for or its files have changed. Returns whether there is news to draw.
+  bool reload(double now);
+  void change_scene(LoadedScene loaded);
   void run_script();
   void ask_for_pictures();
   bool is_still() const;
@@ -55,13 +59,16 @@ class Preview {
   TraceRequest request_for(const std::string& accel) const;
 
   const PreviewCommand& command_;
+  LoadedScene loaded_;
   const Scene& scene_;
+  WatchedFiles watched_;
+  double next_look_ = 0.0;  // at the files, in seconds since the start
   RenderOptions options_;
   CameraFile camera_file_;
   AcceleratorShelf shelf_;
   Explorer explorer_;
   Window window_;
-  RasterView raster_;
+  std::optional<RasterView> raster_;
   PictureView picture_view_;
   Hud hud_;
   ScriptRunner script_;
@@ -73,6 +80,7 @@ class Preview {
   double shown_exposure_ = 0.0;
 
   FirstSurfaces first_surfaces_;
+  std::future<LoadedScene> loading_;
   std::future<ComparedPicture> comparing_;
   Compared comparing_what_, compared_;
   std::string compared_text_;

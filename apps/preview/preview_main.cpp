@@ -1,6 +1,6 @@
 #include "preview_main.hpp"
 
-#include <cstdio>
+#include <utility>
 
 #include "preview.hpp"
 #include "raylab/apps/program.hpp"
@@ -18,10 +18,9 @@ int preview(const PreviewCommand& command) {
   if (!command.screenshot.empty()) check_writable_image(command.screenshot);
   const WindowSystem windows;  // first: where there is no display, the scene need not be loaded
   const ThreadLimit limit(command.threads);
-  const LoadedScene loaded = load_scene(command.scene, command.load_options());
-  for (const std::string& warning : loaded.warnings)
-    std::fprintf(stderr, "raylab-preview: warning: %s\n", warning.c_str());
-  Preview(command, loaded).run();
+  LoadedScene loaded = load_scene(command.scene, command.load_options());
+  tell_warnings(loaded);
+  Preview(command, std::move(loaded)).run();
   return 0;
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "keys.hpp"
 #include "raylab/apps/program.hpp"
@@ -35,6 +36,11 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
       ->check(CLI::Range(0.5f, 8.0f));
   if (!parse_or_tell(app, argc, argv, exit_code)) return std::nullopt;
   return command;
+}
+
+void tell_warnings(const LoadedScene& loaded) {
+  for (const std::string& warning : loaded.warnings)
+    std::fprintf(stderr, "raylab-preview: warning: %s\n", warning.c_str());
 }
 
 RenderOptions preview_render_options(const PreviewCommand& command, const LoadedScene& loaded) {

@@ -27,4 +27,7 @@ std::optional<PreviewCommand> parse_preview_command(int argc, char** argv, int& 
 /// smaller in proportion where it would not fit a screen. Throws Error (usage).
 RenderOptions preview_render_options(const PreviewCommand& command, const LoadedScene& loaded);
 
+/// Writes the loading's warnings to the error stream.
+void tell_warnings(const LoadedScene& loaded);
+
 }  // namespace raylab

@@ -39,6 +39,7 @@ constexpr std::pair<int, Key> kKeys[]{
     {GLFW_KEY_Z, Key::z},
     {GLFW_KEY_X, Key::x},
     {GLFW_KEY_U, Key::u},
+    {GLFW_KEY_F5, Key::f5},
     {GLFW_KEY_MINUS, Key::minus},
     {GLFW_KEY_KP_SUBTRACT, Key::minus},
     {GLFW_KEY_EQUAL, Key::equal},

@@ -86,6 +86,10 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 
   read_scene(root, file, folder, library, models, loaded);
   loaded.hash = content_hash(loaded.text, options.overrides, library);
+  loaded.files = {file};
+  loaded.files.insert(loaded.files.end(), library.files.begin(), library.files.end());
+  const auto& textures = library.textures.files();
+  loaded.files.insert(loaded.files.end(), textures.begin(), textures.end());
   loaded.scene.materials = std::move(library.materials);
   loaded.scene.textures = library.textures.take_images();
   loaded.warnings = std::move(library.warnings);

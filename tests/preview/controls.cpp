@@ -10,6 +10,7 @@
 #include "raster_geometry.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "script.hpp"
+#include "watched_files.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
@@ -301,6 +302,46 @@ TEST_CASE("Enter writes the camera, and says so when it may not", "[unit][previe
   ball.press(Key::enter);
   CHECK(ball.explorer->message().find("changed since") != std::string::npos);
   CHECK(read_text(ball / "ball.toml") == kBall);
+}
+
+TEST_CASE("files that change are noticed once they rest, and what is remembered is no change", "[unit][preview]") {
+  TempFolder folder;
+  write_text(folder / "a", "1");
+  WatchedFiles files({folder / "a", folder / "b"});
+  CHECK_FALSE(files.changed());
+  write_text(folder / "a", "12");
+  CHECK_FALSE(files.changed());  // it may still be written to
+  write_text(folder / "a", "123");
+  CHECK_FALSE(files.changed());
+  CHECK(files.changed());
+  files.remember();
+  CHECK_FALSE(files.changed());
+  CHECK_FALSE(files.changed());
+  write_text(folder / "b", "");
+  CHECK_FALSE(files.changed());
+  CHECK(files.changed());
+  std::filesystem::remove(folder / "b");
+  CHECK_FALSE(files.changed());
+  CHECK_FALSE(files.changed());  // as it is remembered
+}
+
+TEST_CASE("a scene read again keeps the view, unless its file has another camera", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::f5);
+  CHECK(ball.explorer->take_reload_request());
+  CHECK_FALSE(ball.explorer->take_reload_request());
+  ball.press(Key::d, 0.5);
+  const CameraSettings here = ball.explorer->camera();
+  ball.explorer->change_scene(ball.loaded.camera);
+  ball.explorer->step(0.0);
+  CHECK(ball.explorer->moved());
+  CHECK(ball.explorer->camera() == here);
+  CameraSettings other = ball.loaded.camera;
+  other.vfov = 50.0f;
+  ball.explorer->change_scene(other);
+  CHECK(ball.explorer->camera() == other);
+  ball.press(Key::enter);
+  CHECK(ball.explorer->take_written());
 }
 
 TEST_CASE("scripts are parsed line by line", "[unit][preview]") {

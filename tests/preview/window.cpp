@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
+#include <thread>
 
 #include "../catch.hpp"
 #include "../run_program.hpp"
@@ -280,6 +282,38 @@ TEST_CASE("two accelerators side by side, their difference and their disagreemen
   // Of a lone sphere all accelerators say the same: black, and the disagreement's dark grey.
   CHECK(near_to(at(read_image8(display.file("difference.png")), 100, 100), {0, 0, 0}));
   CHECK(near_to(at(read_image8(display.file("disagreement.png")), 5, 5), encoded(Rgb(0.02f))));
+}
+
+TEST_CASE("F5 reads the scene and its files again; where that fails the old scene stays", "[gui][preview]") {
+  const Display display;
+  const std::string texture = display.file("map.png");
+  Image red(2, 2);
+  red.pixels.assign(4, Rgb(0.8f, 0.1f, 0.05f));
+  write_image(texture, red);
+  std::string scene = kBall;
+  scene.replace(scene.find("[0, 0, 5]"), 9, "[0, 0, 10]");
+  scene.replace(scene.find("[0.8, 0.1, 0.05]"), 16, "{ image = \"map.png\" }");
+  write_text(display.scene, scene);
+  // The picture becomes the texture: where the sphere faces the camera it then has the sky's colour.
+  const std::string view = GENERATE("", "key v\n");
+  display.run_script(view + "wait still\nscreenshot " + display.file("before.png") + "\npicture " + texture +
+                         "\nkey f5\nwait still\nscreenshot " + display.file("after.png"),
+                     {"--no-hud"});
+  const glm::ivec3 before = at(read_image8(display.file("before.png")), 100, 100);
+  const glm::ivec3 after = at(read_image8(display.file("after.png")), 100, 100);
+  CHECK(before.x > before.z + 20);
+  CHECK(after.z > after.x + 50);
+  if (view.empty()) CHECK(near_to(after, encoded(0.85f * Rgb(0.1f, 0.2f, 0.7f)), 6));
+
+  std::thread vandal([&] {
+    while (!std::filesystem::exists(display.file("whole.png"))) std::this_thread::yield();
+    write_text(display.scene, "[camera");
+  });
+  display.run_script(view + "wait still\nscreenshot " + display.file("whole.png") +
+                         "\nwait 1000\nkey f5\nwait still\nscreenshot " + display.file("broken.png"),
+                     {"--no-hud"});
+  vandal.join();
+  CHECK((read_image8(display.file("whole.png")).rgb == read_image8(display.file("broken.png")).rgb));
 }
 
 TEST_CASE("resizing, minimising and closing while tracing, ten times each", "[gui][preview]") {

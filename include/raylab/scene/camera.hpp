@@ -12,6 +12,8 @@ struct CameraSettings {
   float vfov = 90.0f;            ///< degrees, vertical, in (0, 180)
   float defocus_angle = 0.0f;    ///< degrees, full angle of the cone from the lens to the point in focus; 0: pinhole
   float focus_distance = 10.0f;  ///< along the view direction; > 0
+
+  bool operator==(const CameraSettings&) const = default;
 };
 
 /// Thin-lens camera (Ray Tracing in One Weekend §12-13): makes the rays of a width x height picture.
