@@ -191,8 +191,10 @@ TEST_CASE("an include of a library outside its place is seen", "[unit][layout]")
 
 TEST_CASE("what makes a picture calls no trigonometric function of the library's", "[unit][layout]") {
   // Libraries differ in the last bit, and pictures must not. The camera's two are of doubles, once a picture; the
-  // tiles' is about the order of work, which changes no result.
-  const std::set<std::string> exempt = {"src/scene/camera.cpp", "src/render/tiles.cpp"};
+  // tiles' is about the order of work, which changes no result; framing finds a camera, whose numbers are what is
+  // rendered.
+  const std::set<std::string> exempt = {"src/scene/camera.cpp", "src/render/tiles.cpp",
+                                        "include/raylab/scene/framing.hpp"};
   const std::regex call("std::(sin|cos|tan|asin|acos|atan|atan2)\\(");
   const fs::path root = RAYLAB_SOURCE_DIR;
   int files = 0;

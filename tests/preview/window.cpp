@@ -284,7 +284,7 @@ TEST_CASE("two accelerators side by side, their difference and their disagreemen
   CHECK(near_to(at(read_image8(display.file("disagreement.png")), 5, 5), encoded(Rgb(0.02f))));
 }
 
-TEST_CASE("F5 reads the scene and its files again; where that fails the old scene stays", "[gui][preview]") {
+TEST_CASE("F5 reads the scene and its files again, and where that fails the old scene stays", "[gui][preview]") {
   const Display display;
   const std::string texture = display.file("map.png");
   Image red(2, 2);
