@@ -1,6 +1,7 @@
 # Installs Raylab from BUILD_DIR, draws the results of BENCH_DIR with it, builds the program outside against
-# it, renders SCENE and checks agreement.
-# cmake -D BUILD_DIR=… -D SOURCE_DIR=… -D SCENE=… -D GENERATOR=… -D BUILD_TYPE=… -D BENCH_DIR=… -P run.cmake
+# it by find_package and by pkg-config, renders SCENE and checks agreement.
+# cmake -D BUILD_DIR=… -D SOURCE_DIR=… -D SCENE=… -D GENERATOR=… -D BUILD_TYPE=… -D BENCH_DIR=…
+#       -D COMPILER=… -P run.cmake
 set(work ${BUILD_DIR}/plugin-test)
 set(picture ${work}/picture.exr)
 file(REMOVE_RECURSE ${work})
@@ -47,3 +48,11 @@ endif()
 if(NOT EXISTS ${picture})
   message(FATAL_ERROR "no picture was written")
 endif()
+
+# The same by pkg-config alone.
+file(GLOB_RECURSE pc ${work}/prefix/raylab.pc)
+cmake_path(GET pc PARENT_PATH pc_folder)
+set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+run(sh -c "'${COMPILER}' -std=c++20 agreement_main.cpp my_accelerator.cpp -o ${work}/agreement-by-pkg-config \
+    $(pkg-config --cflags --static --libs raylab)" WORKING_DIRECTORY ${SOURCE_DIR})
+run(${work}/agreement-by-pkg-config)
