@@ -23,16 +23,19 @@ const std::vector<std::string> kLayers{"albedo", "normal", "depth", "variance", 
 
 void add_picture_options(CLI::App& app, PictureCommand& command) {
   app.add_option("--accel", command.accel, "Accelerator by name, see raylab-render --list-accels")
+      ->type_name(accelerator_choice())
       ->capture_default_str();
   app.add_option("--quality", command.quality,
                  "How much building may cost, of bvh and Embree: fast (less time, a worse tree), balanced (the "
-                 "default) or best (several times the time, for scenes of large or long triangles)");
+                 "default) or best (several times the time, for scenes of large or long triangles)")
+      ->type_name("{fast,balanced,best}");
   app.add_option("--bvh-quality", command.quality)->group("");  // the old name, not shown
   app.add_flag("--compact", command.compact, "A tree of Embree that takes less memory, and more time");
   app.add_option("--integrator", command.integrator,
                  "path, book, or reference: path ray by ray, for reading and checking")
+      ->type_name("{path,book,reference}")
       ->capture_default_str();
-  app.add_option("--sampler", command.sampler, "independent or sobol")->capture_default_str();
+  app.add_option("--sampler", command.sampler, "Sampler")->type_name("{independent,sobol}")->capture_default_str();
   app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
   app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio");
   app.add_option("--height", command.height, "Height in pixels; alone, it keeps the scene's aspect ratio");
@@ -79,9 +82,11 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
       ->allow_extra_args(false);
   add_picture_options(app, command);
   app.add_option("--intersector", command.intersector,
-                 "Triangle test of the hand-written accelerators: book, fast or watertight");
+                 "Triangle test of the hand-written accelerators: book, fast or watertight")
+      ->type_name("{book,fast,watertight}");
   app.add_option("--isa", command.isa,
-                 "Instruction set of bvh: sse4.2, avx2, avx512 or neon (default: the newest there is)");
+                 "Instruction set of bvh: sse4.2, avx2, avx512 or neon (default: the newest there is)")
+      ->type_name("{sse4.2,avx2,avx512,neon}");
   app.add_option("--ray-offset", command.ray_offset,
                  "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")
       ->check(CLI::IsMember({"bounds", "book"}))

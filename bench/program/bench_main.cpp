@@ -26,13 +26,17 @@ void add_common(CLI::App& command, CommonOptions& options) {
 
 /// `unnamed` says what is measured when no accelerator and no triangle test is named.
 void add_choice(CLI::App& command, CommonOptions& options, const std::string& unnamed) {
-  command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)->delimiter(',');
+  command.add_option("--accel", options.accels, "Accelerators, comma separated " + unnamed)
+      ->type_name(accelerator_choice())
+      ->delimiter(',');
   command.add_option("--intersector", options.intersectors, "Triangle tests, comma separated " + unnamed)
+      ->type_name("{book,fast,watertight}")
       ->delimiter(',');
   command
       .add_option("--quality", options.qualities,
                   "Build qualities, comma separated, of those that have a choice: fast, balanced, best (default: "
                   "balanced)")
+      ->type_name("{fast,balanced,best}")
       ->delimiter(',');
   command.add_option("--bvh-quality", options.qualities)->delimiter(',')->group("");  // the old name, not shown
   command.add_flag("--compact", options.compact, "Compact trees, of those that have a choice");
@@ -206,6 +210,7 @@ CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
              "(default: each accelerator as it is, but exact and what the largest size is too large for)");
   command
       ->add_option("--family", options.families, "Comma separated: soup, sphere, terrain, thin, stadium (default: all)")
+      ->type_name("{soup,sphere,terrain,thin,stadium}")
       ->delimiter(',');
   command->add_option("--largest", options.largest, "Most triangles; sizes are powers of ten from 1000 on")
       ->check(CLI::Range(1000, 100000000))
@@ -230,10 +235,13 @@ CLI::App* add_stability(CLI::App& app, StabilityOptions& options) {
   command
       ->add_option("--accel", options.accels,
                    "Accelerators, comma separated (default: all but exact; of cases that make pictures, bvh)")
+      ->type_name(accelerator_choice())
       ->delimiter(',');
   command->add_option("--intersector", options.intersectors, "Triangle tests, comma separated (default: all)")
+      ->type_name("{book,fast,watertight}")
       ->delimiter(',');
   command->add_option("--isa", options.isas, "Instruction sets of bvh, comma separated (default: the newest)")
+      ->type_name("{sse4.2,avx2,avx512,neon}")
       ->delimiter(',');
   command->add_option("--rays", options.rays, "Rays, or paths, of each method at each value")
       ->check(CLI::Range(100, 1 << 26))

@@ -6,8 +6,11 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "generated_text.hpp"
+#include "raylab/accel/accelerator.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
 
@@ -69,7 +72,18 @@ std::string command_line(const std::string& program, int argc, char** argv) {
   return line;
 }
 
+std::string accelerator_choice() {
+  std::string names;
+  for (const AcceleratorEntry& entry : accelerators()) names += (names.empty() ? "{" : ",") + entry.name;
+  return names + "}";
+}
+
 bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {
+  if (argc > 1 && std::string_view(argv[1]) == "--generate") {  // for packagers, and not in --help
+    std::fputs(generated_text(app, argc == 3 ? argv[2] : "").c_str(), stdout);
+    exit_code = 0;
+    return false;
+  }
   try {
     app.parse(argc, argv);
     return true;

@@ -16,6 +16,13 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${work}/prefix)
 
+foreach(page IN ITEMS man/man1/raylab-render.1 bash-completion/completions/raylab-render
+        zsh/site-functions/_raylab-render fish/vendor_completions.d/raylab-render.fish)
+  if(NOT EXISTS ${work}/prefix/share/${page})
+    message(FATAL_ERROR "share/${page} was not installed")
+  endif()
+endforeach()
+
 # The installed scripts are all there, and are the ones that run.
 file(GLOB_RECURSE scripts RELATIVE ${BENCH_DIR} ${BENCH_DIR}/report/*.py ${BENCH_DIR}/report/*.json
      ${BENCH_DIR}/report/*.html ${BENCH_DIR}/peers/*.py)

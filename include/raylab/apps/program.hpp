@@ -12,7 +12,11 @@ namespace raylab {
 /// A command line, quoted so that a shell reads it back as it was typed; the program by its name alone.
 std::string command_line(const std::string& program, int argc, char** argv);
 
-/// Parses argv. False where there is nothing left to do: --help and --version, or a mistake, which is told.
+/// The accelerators that there are, as an option's type, which --help and the shells' completions show: {list,rtiow}.
+std::string accelerator_choice();
+
+/// Parses argv. False where there is nothing left to do: --help, --version, and `--generate man`, `bash`, `zsh` or
+/// `fish`, which prints the program's manual page or a shell's completions; or a mistake, which is told.
 bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
 
 /// Runs a program and returns its exit code; what it throws is told on standard error, after the program's name.
