@@ -58,6 +58,29 @@ TEST_CASE("bash completes commands, and each one's options", "[cli]") {
   CHECK(bash_offers("raylab-bench", "rays --accel bvh,emb") == "bvh,embree bvh,embree-robust");
 }
 
+TEST_CASE("fish completes options, commands and values", "[cli]") {
+  if (run_program("/bin/sh", {"-c", "command -v fish"}).exit_code != 0) {
+    WARN("left out: fish is not installed");
+    return;
+  }
+  TempFolder folder;
+  // The names alone, without what fish says of each beside it.
+  const auto fish_offers = [&](const std::string& line) {
+    const std::string program = line.substr(0, line.find(' ')), file = (folder / "completion.fish").string();
+    write_text(file, generated(program, "fish"));
+    const ProgramResult result = run_program(
+        "/usr/bin/env", {"HOME=" + folder.path().string(), "PATH=" RAYLAB_BINARY_DIR ":/usr/bin:/bin", "fish", "-c",
+                         "source $argv[1]; complete -C $argv[2] | string split -f 1 \\t", file, line});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    return result.out;
+  };
+  CHECK(fish_offers("raylab-render --acc") == "--accel\n");
+  CHECK(fish_offers("raylab-render --accel emb") == "embree\nembree-robust\n");
+  CHECK(fish_offers("raylab-bench ra") == "rays\n");
+  CHECK(fish_offers("raylab-bench rays --accel ex") == "exact\n");
+}
+
 TEST_CASE("manual pages and completions name every option that --help lists", "[cli]") {
   for (const std::string& program : kPrograms) {
     std::vector<std::vector<std::string>> helps{{"--help"}};
