@@ -158,6 +158,12 @@ RegisterAccelerator::RegisterAccelerator(AcceleratorEntry entry) {
 std::string_view intersector_name(Intersector intersector) {
   return kIntersectors[static_cast<std::size_t>(intersector)].name;
 }
+std::string accelerator_choice() {
+  std::string names;
+  for (const AcceleratorEntry& entry : accelerators()) names += (names.empty() ? "{" : ",") + entry.name;
+  return names + "}";
+}
+
 Intersector parse_intersector(std::string_view name) { return parse("--intersector", name, kIntersectors); }
 
 std::string_view quality_name(BuildQuality quality) { return kQualities[static_cast<std::size_t>(quality)].name; }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "generated_text.hpp"
-#include "raylab/accel/accelerator.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
 
@@ -70,12 +69,6 @@ std::string command_line(const std::string& program, int argc, char** argv) {
   std::string line = program;
   for (int i = 1; i < argc; ++i) line += " " + shell_word(argv[i]);
   return line;
-}
-
-std::string accelerator_choice() {
-  std::string names;
-  for (const AcceleratorEntry& entry : accelerators()) names += (names.empty() ? "{" : ",") + entry.name;
-  return names + "}";
 }
 
 bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {

@@ -136,6 +136,9 @@ inline constexpr const char* kDefaultAccelerator = "bvh";
 /// The accelerators there are, built-in ones first, in a fixed order.
 std::span<const AcceleratorEntry> accelerators();
 
+/// The accelerators that there are, as an option's type, which --help and the shells' completions show: {list,rtiow}.
+std::string accelerator_choice();
+
 /// The accelerator of that name. Throws Error (usage) for an unknown name, naming those there are.
 AcceleratorEntry find_accelerator(std::string_view name);
 

@@ -12,9 +12,6 @@ namespace raylab {
 /// A command line, quoted so that a shell reads it back as it was typed; the program by its name alone.
 std::string command_line(const std::string& program, int argc, char** argv);
 
-/// The accelerators that there are, as an option's type, which --help and the shells' completions show: {list,rtiow}.
-std::string accelerator_choice();
-
 /// Parses argv. False where there is nothing left to do: --help, --version, and `--generate man`, `bash`, `zsh` or
 /// `fish`, which prints the program's manual page or a shell's completions; or a mistake, which is told.
 bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
