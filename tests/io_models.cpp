@@ -123,7 +123,7 @@ TEST_CASE("a model is framed in the shape of the picture", "[unit]") {
   CHECK(distance(100, 100) > 1.2f * distance(200, 100));
 }
 
-TEST_CASE("--up turns a model and --ground puts a ground under it; neither is for scenes", "[unit]") {
+TEST_CASE("a model is turned by --up, and --ground puts a ground under it: neither is for scenes", "[unit]") {
   InputFolder folder;
   LoadOptions options;
   options.model.up = 'z';
