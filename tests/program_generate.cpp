@@ -75,7 +75,8 @@ TEST_CASE("fish completes options, commands and values", "[cli]") {
     REQUIRE(result.exit_code == 0);
     return result.out;
   };
-  CHECK(fish_offers("raylab-render --acc") == "--accel\n");
+  // Newer versions of fish also offer what holds the text further on.
+  CHECK(fish_offers("raylab-render --acc").starts_with("--accel\n"));
   CHECK(fish_offers("raylab-render --accel emb") == "embree\nembree-robust\n");
   CHECK(fish_offers("raylab-bench ra") == "rays\n");
   CHECK(fish_offers("raylab-bench rays --accel ex") == "exact\n");

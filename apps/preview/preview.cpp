@@ -244,30 +244,30 @@ void Preview::update_comparison() {
     return;
   }
   comparing_what_ = what;
-  comparing_ = std::async(std::launch::async, [kind, exposure = what.exposure, a = shown_, b = shown_other_,
-                                               request = *asked_,
-                                               names = explorer_.accel() + " and " + explorer_.other_accel() + ", ",
-                                               left = shelf_.find(explorer_.accel()),
-                                               right = shelf_.find(explorer_.other_accel())] {
-    ComparedPicture made;
-    Image image(1, 1);
-    if (kind == Compare::disagreement && left != nullptr && right != nullptr) {
-      RayComparison d =
-          compare_rays(*left, *right, request.options.camera, request.options.width, request.options.height);
-      made.text = names + d.text();
-      image = std::move(d.picture);
-    } else if (kind == Compare::difference && a->image.width == b->image.width && a->image.height == b->image.height) {
-      const ImageError error = image_error(b->image, a->image);
-      made.text = a->accel + " and " + b->accel + ": " + std::to_string(error.different_pixels) +
-                  " pixels differ, relMSE " + std::to_string(error.relmse);
-      image = error_picture(b->image, a->image);
-    }
-    made.width = image.width;
-    made.height = image.height;
-    // The colours of a disagreement are names, and no light.
-    made.srgb = encode_srgb(image, kind == Compare::difference ? exposure : 0.0);
-    return made;
-  });
+  comparing_ = std::async(
+      std::launch::async, [kind, exposure = what.exposure, a = shown_, b = shown_other_, request = *asked_,
+                           names = explorer_.accel() + " and " + explorer_.other_accel() + ", ",
+                           left = shelf_.find(explorer_.accel()), right = shelf_.find(explorer_.other_accel())] {
+        ComparedPicture made;
+        Image image(1, 1);
+        if (kind == Compare::disagreement && left != nullptr && right != nullptr) {
+          RayComparison d =
+              compare_rays(*left, *right, request.options.camera, request.options.width, request.options.height);
+          made.text = names + d.text();
+          image = std::move(d.picture);
+        } else if (kind == Compare::difference && a->image.width == b->image.width &&
+                   a->image.height == b->image.height) {
+          const ImageError error = image_error(b->image, a->image);
+          made.text = a->accel + " and " + b->accel + ": " + std::to_string(error.different_pixels) +
+                      " pixels differ, relMSE " + std::to_string(error.relmse);
+          image = error_picture(b->image, a->image);
+        }
+        made.width = image.width;
+        made.height = image.height;
+        // The colours of a disagreement are names, and no light.
+        made.srgb = encode_srgb(image, kind == Compare::difference ? exposure : 0.0);
+        return made;
+      });
 }
 
 void Preview::draw_traced() {

@@ -31,13 +31,13 @@ struct LoadOptions {
 struct LoadedScene {
   Scene scene;
   CameraSettings camera;
-  bool made_for_model = false;        ///< the file is a model, and the scene was made for it
-  std::string text;                   ///< of the scene file: as it is, or as made for the model
+  bool made_for_model = false;               ///< the file is a model, and the scene was made for it
+  std::string text;                          ///< of the scene file: as it is, or as made for the model
   std::vector<std::filesystem::path> files;  ///< all that were read: the file, and those that it names
-  std::vector<std::string> warnings;  ///< "file:line: message": textures missing, faces left out, and the like
-  std::vector<std::string> notes;     ///< how each material was understood, one line each
-  std::uint64_t hash = 0;             ///< of the scene file's bytes, overrides, and all files it names
-  std::size_t dropped_bytes = 0;      ///< freed by drop_unneeded
+  std::vector<std::string> warnings;         ///< "file:line: message": textures missing, faces left out, and the like
+  std::vector<std::string> notes;            ///< how each material was understood, one line each
+  std::uint64_t hash = 0;                    ///< of the scene file's bytes, overrides, and all files it names
+  std::size_t dropped_bytes = 0;             ///< freed by drop_unneeded
 };
 
 /// Whether load_scene() would make a scene for the file. Throws Error as it does.
