@@ -257,6 +257,18 @@ TEST_CASE("two meshes share a material only when it comes from the same MTL file
   CHECK(scene.materials.at(scene.material_of(2, 0)).color.a == Rgb(0.0f, 1.0f, 0.0f));
 }
 
+TEST_CASE("views have names of their own, and the camera's keys where they give none", "[unit]") {
+  InputFolder folder;
+  const LoadedScene loaded = folder.load(
+      "[camera]\nlook_from = [1, 2, 3]\nvfov = 33\n[[view]]\nname = \"a\"\n"
+      "[[view]]\nname = \"b\"\nlook_from = [4, 5, 6]\n");
+  REQUIRE(loaded.views.size() == 2);
+  CHECK(loaded.views[0].camera == loaded.camera);
+  CHECK(loaded.views[1].name == "b");
+  CHECK(loaded.views[1].camera.look_from == vec3(4, 5, 6));
+  CHECK(loaded.views[1].camera.vfov == 33.0f);
+}
+
 TEST_CASE("with mtl = seed the plain convention counts, also where exporters say more", "[unit]") {
   InputFolder folder;
   folder.write("a.mtl", "newmtl gold\nKd 1 0.8 0.2\nPm 1\nPr 0.5\n");

@@ -58,6 +58,14 @@ TEST_CASE("a syntax error is placed where TOML breaks", "[unit]") {
   }
 }
 
+TEST_CASE("views without a name of their own, or that look nowhere, are refused", "[unit]") {
+  InputFolder folder;
+  expect_all(folder, {{"[[view]]\nvfov = 3\n", "1:1", {"view.0", "\"name\""}},
+                      {"[[view]]\nname = \"a b\"\n", "2:8", {"view.0.name", "letters, digits, - and _"}},
+                      {"[[view]]\nname = \"a\"\n[[view]]\nname = \"a\"\n", "4:8", {"view.1.name", "no view before"}},
+                      {"[[view]]\nname = \"a\"\nlook_at = [0, 0, 0]\n", "3:11", {"view.0", "the same point"}}});
+}
+
 TEST_CASE("an unknown key is refused with the nearest known one", "[unit]") {
   InputFolder folder;
   expect_all(folder, {{"[camrea]\nvfov = 3\n", "1:2", {"unknown key \"camrea\"", "\"camera\""}},

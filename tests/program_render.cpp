@@ -259,6 +259,27 @@ TEST_CASE("a picture that will not be what was wanted is rendered, with a warnin
   CHECK(holds(warning({"--set", "background.color=[0, 0, 0]"}), "warning: the picture is black: no light reaches"));
 }
 
+TEST_CASE("views are rendered one picture each, and a flight leads through them", "[cli]") {
+  SmallScene small;
+  small.expect_failure(3, {"has 0 [[view]] tables, and --views needs one or more"}, {"--views"});
+  small.change("[material.grey]",
+               "[[view]]\nname = \"front\"\n[[view]]\nname = \"side\"\nlook_from = [5, 0, 0]\n"
+               "[material.grey]");
+  const std::string output = (small / "a.exr").string();
+  CHECK(raylab_render({small.scene, "-o", output, "--views", "--quiet"}).exit_code == 0);
+  CHECK(read_exr(small / "a-front.exr").width == 16);
+  CHECK(read_exr(small / "a-side.exr").width == 16);
+  CHECK_FALSE(fs::exists(output));
+  CHECK(raylab_render({small.scene, "-o", (small / "whole.exr").string(), "--quiet"}).exit_code == 0);
+  CHECK(read_exr(small / "whole.exr").pixels == read_exr(small / "a-front.exr").pixels);
+  const ProgramResult flight = raylab_render({small.scene, "-o", (small / "b.png").string(), "--fly", "3"});
+  INFO(flight.err);
+  CHECK(flight.exit_code == 0);
+  CHECK(flight.out.find("film       ") != std::string::npos);
+  for (const char* frame : {"b-0001.png", "b-0002.png", "b-0003.png"}) CHECK(read_image8(small / frame).width == 16);
+  small.expect_failure(2, {"--views"}, {"--views", "--fly", "3"});
+}
+
 TEST_CASE("layers that no file takes are told of", "[cli]") {
   const SmallScene small;
   const ProgramResult result =

@@ -105,6 +105,15 @@ void Explorer::key_down(Key key) {
     case Key::equal:
       change_exposure(kExposureStep);
       break;
+    case Key::n:
+      add_view();
+      break;
+    case Key::page_up:
+      go_to_view(-1);
+      break;
+    case Key::page_down:
+      go_to_view(1);
+      break;
     case Key::home:
       viewpoint_.go_to(frame_scene(scene_, camera(), width_, height_));
       changed_ = true;
@@ -177,6 +186,29 @@ void Explorer::write_camera() {
   } catch (const Error& e) {
     say(std::string(e.what()) + "; Enter again writes the camera into it");
   }
+}
+
+void Explorer::add_view() {
+  try {
+    const std::string name = file_.add_view(camera());
+    say("view " + name + " added to " + file_.file().string());
+    views_.push_back({name, camera()});
+    at_view_ = views_.size() - 1;
+    written_ = true;
+  } catch (const Error& e) {
+    say(std::string(e.what()) + "; the same key again adds the view to it");
+  }
+}
+
+void Explorer::go_to_view(int step) {
+  if (views_.empty()) return say("the scene has no views yet");
+  const auto count = static_cast<int>(views_.size());
+  const int from = at_view_ ? static_cast<int>(*at_view_) : step > 0 ? -1 : 0;
+  at_view_ = static_cast<std::size_t>((from + step + count) % count);
+  viewpoint_ = Viewpoint(views_[*at_view_].camera);
+  pivot_.reset();
+  changed_ = true;
+  say("view " + views_[*at_view_].name);
 }
 
 void Explorer::drag(double dx, double dy) {

@@ -8,6 +8,7 @@
 #include "keys.hpp"
 #include "picking.hpp"
 #include "raylab/io/camera_file.hpp"
+#include "raylab/io/scene_file.hpp"
 #include "viewpoint.hpp"
 
 namespace raylab {
@@ -51,6 +52,12 @@ class Explorer {
   /// The scene is another one now, with this camera in its file: goes there if the file's camera has changed.
   void change_scene(const CameraSettings& camera);
 
+  /// The scene's views, which keys go to.
+  void set_views(std::vector<NamedView> views) {
+    views_ = std::move(views);
+    at_view_.reset();
+  }
+
   const CameraSettings& camera() const { return viewpoint_.settings(); }
   const Viewpoint& viewpoint() const { return viewpoint_; }
   bool moved() const { return moved_; }  ///< in the last step
@@ -86,6 +93,8 @@ class Explorer {
   void choose_accel(std::size_t index);
   void toggle_orbit();
   void write_camera();
+  void add_view();
+  void go_to_view(int step);
 
   const Scene& scene_;
   CameraSettings first_camera_;
@@ -94,6 +103,8 @@ class Explorer {
   std::vector<std::string> accels_;
   std::size_t accel_ = 0, other_ = 0;
   Viewpoint viewpoint_;
+  std::vector<NamedView> views_;
+  std::optional<std::size_t> at_view_;  ///< gone to last
   double speed_;
   std::array<bool, kKeyCount> held_{};
   View view_ = View::raster;

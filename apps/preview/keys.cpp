@@ -9,9 +9,10 @@ namespace raylab {
 namespace {
 
 constexpr std::array<std::string_view, kKeyCount> kNames{
-    "w", "a", "s",     "d",       "q", "e", "r",     "f",   "v",     "c",      "b",    "m",         "h",  "p",
-    "z", "x", "u",     "f5",      "-", "=", "space", "tab", "enter", "escape", "home", "backspace", "up", "down",
-    "[", "]", "shift", "control", "1", "2", "3",     "4",   "5",     "6",      "7",    "8",         "9"};
+    "w",     "a",       "s",      "d",    "q",         "e",      "r",        "f",  "v",    "c", "b",
+    "m",     "h",       "p",      "z",    "x",         "u",      "n",        "f5", "-",    "=", "space",
+    "tab",   "enter",   "escape", "home", "backspace", "pageup", "pagedown", "up", "down", "[", "]",
+    "shift", "control", "1",      "2",    "3",         "4",      "5",        "6",  "7",    "8", "9"};
 
 constexpr KeyHelp kHelp[]{
     {"{w} {a} {s} {d}", "fly forward, left, back, right"},
@@ -23,6 +24,8 @@ constexpr KeyHelp kHelp[]{
     {"{home}", "all of the scene into view"},
     {"{backspace}", "camera as the file has it"},
     {"{enter}", "write the camera to the scene file"},
+    {"{n}", "add the camera to the scene file as a view"},
+    {"{pageup} / {pagedown}", "go to the view before / after"},
     {"{z} / {x}", "field of view narrower / wider"},
     {"click", "focus on what is there"},
     {"{up} / {down}", "focus farther / nearer"},

@@ -66,6 +66,7 @@ Preview::Preview(const PreviewCommand& command, LoadedScene loaded)
       hud_(window_.handle(), command.scale.value_or(window_.text_scale()), window_.units_per_pixel()),
       script_(read_script(command.script)),
       first_surfaces_(shelf_) {
+  explorer_.set_views(loaded_.views);
   if (command.view == "traced") explorer_.set_view(View::traced);
   live_.emplace(scene_, shelf_);
 }
@@ -158,6 +159,7 @@ void Preview::change_scene(LoadedScene loaded) {
     camera_file_ = camera_file(command_, loaded_);
   }
   explorer_.change_scene(loaded_.camera);
+  explorer_.set_views(loaded_.views);
   raster_.emplace(scene_);
   live_.emplace(scene_, shelf_);
   asked_.reset();

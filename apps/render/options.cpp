@@ -77,8 +77,9 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.name("raylab-render");
   app.set_version_flag("--version", std::string("raylab-render ") + RAYLAB_VERSION);
   app.add_option("scene", command.scene, "Scene file (TOML), or a model (OBJ, PLY, STL or glTF)");
-  app.add_option("-o,--output", command.outputs,
-                 "Picture to write, .exr or .png; repeatable (default: the scene's name with .exr)")
+  app.add_option(
+         "-o,--output", command.outputs,
+         "Picture to write, .exr or .png; repeatable (default: the scene's name with .exr, a model's with .png)")
       ->allow_extra_args(false);
   add_picture_options(app, command);
   app.add_option("--intersector", command.intersector,
@@ -107,6 +108,12 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
       ->check(CLI::IsMember(kLayers));
   app.add_option("--stats", command.stats_file, "Write what was measured to this JSON file");
   app.add_option("--write-scene", command.write_scene, "Of a model: write the scene made for it to this file (TOML)");
+  CLI::Option* views =
+      app.add_flag("--views", command.views, "A picture of each [[view]] of the scene, NAME-VIEW.png of -o NAME.png");
+  app.add_option("--fly", command.fly,
+                 "So many frames, NAME-0001.png and on, of a flight through the views, and by ffmpeg a film")
+      ->check(CLI::Range(1, 9999))
+      ->excludes(views);
   const std::map<std::string, ProgressKind> progress_names{{"auto", ProgressKind::automatic},
                                                            {"lines", ProgressKind::lines},
                                                            {"json", ProgressKind::json},

@@ -52,6 +52,8 @@ struct RenderCommand : PictureCommand {
   std::vector<std::string> layers;
   std::string stats_file;
   std::string write_scene;
+  bool views = false;
+  std::optional<int> fly;  ///< frames
   ProgressKind progress = ProgressKind::automatic;
   bool check = false;
   bool list_accels = false;

@@ -17,6 +17,7 @@
 #include "raylab/render/features.hpp"
 #include "raylab/render/view_warnings.hpp"
 #include "report.hpp"
+#include "shots.hpp"
 
 namespace raylab {
 
@@ -93,61 +94,34 @@ void write_made_scene(const LoadedScene& loaded, const std::filesystem::path& fi
   out.commit();
 }
 
-int render(const RenderCommand& command) {
-  if (command.list_accels) {
-    list_accelerators();
-    return 0;
-  }
-  std::vector<std::filesystem::path> outputs(command.outputs.begin(), command.outputs.end());
-  if (outputs.empty()) {
-    // A model is looked at before it is worked on, and every viewer shows PNG.
-    const char* ending = is_model_file(command.scene) ? ".png" : ".exr";
-    outputs.push_back(std::filesystem::path(command.scene).filename().replace_extension(ending));
-  }
-  // Known before the work starts, and not after: names of options, and files that cannot be written.
-  (void)parse_integrator(command.integrator);
-  (void)parse_sampler(command.sampler);
-  AcceleratorOptions accel_options = accelerator_options(command);
-  if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
-  if (!command.isa.empty()) accel_options.isa = parse_isa(command.isa);
-  check_options(find_accelerator(command.accel), accel_options);
-  if (!command.check) {
-    for (const auto& file : outputs) check_writable_image(file);
-    if (!command.stats_file.empty()) check_writable(command.stats_file);
-  }
+/// What all pictures of one command share.
+struct Job {
+  const RenderCommand& command;
+  const LoadedScene& loaded;
+  const Accelerator& accelerator;
+  double load_seconds;
 
-  const ThreadLimit limit(command.threads);
-  const Stopwatch load_watch;
-  LoadOptions load_options = command.load_options();
-  load_options.keep_unneeded = command.needs == "all";
-  if (!command.write_scene.empty()) {
-    const std::filesystem::path folder = std::filesystem::path(command.write_scene).parent_path();
-    load_options.model.folder = folder.empty() ? "." : folder;
-  }
-  const LoadedScene loaded = load_scene(command.scene, load_options);
-  const double load_seconds = load_watch.seconds();
-  if (!command.write_scene.empty()) write_made_scene(loaded, command.write_scene);
-  const auto warn = [&](const std::string& warning) {
+  void warn(const std::string& warning) const {
     if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
-  };
-  for (const std::string& warning : loaded.warnings) warn(warning);
-  const Scene& scene = loaded.scene;
-  if (command.check) {
-    std::fputs(check_text(loaded, load_seconds).c_str(), stdout);
-    return 0;
   }
+};
 
-  const std::unique_ptr<Accelerator> accelerator = make_accelerator(command.accel, scene.geometry, accel_options);
+using Files = std::vector<std::filesystem::path>;
 
-  const InterruptGuard guard;
-  RenderSession session(scene, *accelerator, session_options(command, loaded));
-  std::vector<std::string> warnings = view_warnings(scene, *accelerator, session.options());
-  const bool is_exr =
-      std::any_of(outputs.begin(), outputs.end(), [](const auto& file) { return lowercase_ending(file) == ".exr"; });
-  if (!command.layers.empty() && !is_exr) {
-    warnings.emplace_back("--layers: nothing is written of them, as only EXR files hold layers and none is asked for");
-  }
-  for (const std::string& warning : warnings) warn(warning);
+void check_all_writable(const RenderCommand& command, const Files& outputs, const std::string& suffix) {
+  for (const auto& file : outputs) check_writable_image(with_suffix(file, suffix));
+  if (!command.stats_file.empty()) check_writable(with_suffix(command.stats_file, suffix));
+}
+
+/// Renders one picture and writes it. False when it was interrupted, and the picture is partial.
+bool render_shot(const Job& job, const Shot& shot, const Files& outputs) {
+  const RenderCommand& command = job.command;
+  const Scene& scene = job.loaded.scene;
+  RenderOptions options = session_options(command, job.loaded);
+  options.camera = shot.camera;
+  RenderSession session(scene, job.accelerator, options);
+  const std::vector<std::string> warnings = view_warnings(scene, job.accelerator, session.options());
+  for (const std::string& warning : warnings) job.warn(warning);
   Progress progress(command.progress);
   session.start();
   while (!session.wait_for(0.05)) {
@@ -161,37 +135,102 @@ int render(const RenderCommand& command) {
   const RenderStats stats = session.stats();
   const bool partial = !session.finished();
   const RenderReport report{command,
-                            loaded,
+                            job.loaded,
                             session.options(),
-                            accelerator->build_report(),
+                            job.accelerator.build_report(),
                             stats,
                             session.needs(),
                             session.integrator().lights().count,
                             session.integrator().lights().bytes,
-                            load_seconds,
+                            job.load_seconds,
                             film.estimated_relmse(),
                             partial};
   const Image image = film.image();
   if (!partial && warnings.empty() && is_black(image)) {
-    warn("the picture is black: no light reaches what the camera sees");
+    job.warn("the picture is black: no light reaches what the camera sees");
   }
-  const std::vector<Layer> layers = make_layers(command, scene, *accelerator, session.options(), film);
-  for (const auto& file : outputs) write_image(file, image, layers, make_attributes(report));
+  const std::vector<Layer> layers = make_layers(command, scene, job.accelerator, session.options(), film);
+  for (const auto& file : outputs) write_image(with_suffix(file, shot.suffix), image, layers, make_attributes(report));
   if (!command.stats_file.empty()) {
-    AtomicFile file(command.stats_file);
+    AtomicFile file(with_suffix(command.stats_file, shot.suffix));
     file.stream() << report_json(report);
     file.commit();
   }
   if (!command.quiet) {
-    std::fputs(report_text(report).c_str(), stdout);
-    if (loaded.made_for_model && command.write_scene.empty()) {
+    if (!command.fly) std::fputs(report_text(report).c_str(), stdout);
+    if (job.loaded.made_for_model && command.write_scene.empty()) {
       std::printf("scene      made for the model; --write-scene FILE.toml keeps it, to go on from there\n");
     }
     for (const auto& file : outputs) {
-      std::printf("wrote      %s%s\n", file.c_str(), partial ? " (partial: interrupted)" : "");
+      std::printf("wrote      %s%s\n", with_suffix(file, shot.suffix).c_str(),
+                  partial ? " (partial: interrupted)" : "");
     }
   }
-  return partial ? kInterrupted : 0;
+  return !partial;
+}
+
+int render(const RenderCommand& command) {
+  if (command.list_accels) {
+    list_accelerators();
+    return 0;
+  }
+  Files outputs(command.outputs.begin(), command.outputs.end());
+  if (outputs.empty()) {
+    // A model is looked at before it is worked on, and every viewer shows PNG; so is a flight.
+    const char* ending = command.fly || is_model_file(command.scene) ? ".png" : ".exr";
+    outputs.push_back(std::filesystem::path(command.scene).filename().replace_extension(ending));
+  }
+  // Known before the work starts, and not after: names of options, and files that cannot be written.
+  (void)parse_integrator(command.integrator);
+  (void)parse_sampler(command.sampler);
+  AcceleratorOptions accel_options = accelerator_options(command);
+  if (!command.intersector.empty()) accel_options.intersector = parse_intersector(command.intersector);
+  if (!command.isa.empty()) accel_options.isa = parse_isa(command.isa);
+  check_options(find_accelerator(command.accel), accel_options);
+  const bool one_picture = !command.views && !command.fly;
+  if (!command.check && one_picture) check_all_writable(command, outputs, "");
+
+  const ThreadLimit limit(command.threads);
+  const Stopwatch load_watch;
+  LoadOptions load_options = command.load_options();
+  load_options.keep_unneeded = command.needs == "all";
+  if (!command.write_scene.empty()) {
+    const std::filesystem::path folder = std::filesystem::path(command.write_scene).parent_path();
+    load_options.model.folder = folder.empty() ? "." : folder;
+  }
+  const LoadedScene loaded = load_scene(command.scene, load_options);
+  const double load_seconds = load_watch.seconds();
+  if (!command.write_scene.empty()) write_made_scene(loaded, command.write_scene);
+  for (const std::string& warning : loaded.warnings) {
+    if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
+  }
+  if (command.check) {
+    std::fputs(check_text(loaded, load_seconds).c_str(), stdout);
+    return 0;
+  }
+  const std::vector<Shot> shots = shots_of(command, loaded);
+  if (!one_picture) {
+    for (const Shot& shot : shots) check_all_writable(command, outputs, shot.suffix);
+  }
+
+  const auto accelerator = make_accelerator(command.accel, loaded.scene.geometry, accel_options);
+  const Job job{command, loaded, *accelerator, load_seconds};
+  const bool is_exr =
+      std::any_of(outputs.begin(), outputs.end(), [](const auto& file) { return lowercase_ending(file) == ".exr"; });
+  if (!command.layers.empty() && !is_exr) {
+    job.warn("--layers: nothing is written of them, as only EXR files hold layers and none is asked for");
+  }
+  const InterruptGuard guard;
+  for (const Shot& shot : shots) {
+    if (!render_shot(job, shot, outputs)) return kInterrupted;
+  }
+  if (command.fly) {
+    for (const auto& file : outputs) {
+      const std::string said = make_film(file);
+      if (!command.quiet) std::printf("film       %s\n", said.c_str());
+    }
+  }
+  return 0;
 }
 
 }  // namespace

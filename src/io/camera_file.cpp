@@ -9,6 +9,7 @@
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/error.hpp"
 #include "scene_sections.hpp"
+#include "toml_reader.hpp"
 #include "toml_value.hpp"
 
 namespace raylab {
@@ -158,9 +159,33 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
   return changed;
 }
 
+std::string with_view(std::string_view text, const std::string& file, const CameraSettings& camera, std::string& name) {
+  const TomlValue root = parse_toml(text, file);
+  const std::vector<NamedView> views =
+      read_views(tables_of(root.find("view"), "view"), read_camera(root.find("camera")));
+  const auto taken = [&](const NamedView& view) { return view.name == name; };
+  for (int number = 1; name.empty() || std::any_of(views.begin(), views.end(), taken); ++number) {
+    name = "view-" + std::to_string(number);
+  }
+  const std::string newline = text.find("\r\n") != std::string_view::npos ? "\r\n" : "\n";
+  std::string changed(text);
+  if (!changed.empty() && changed.back() != '\n') changed += newline;
+  changed += newline + "[[view]]" + newline + "name = \"" + name + "\"" + newline;
+  for (const CameraKey& key : camera_keys(camera, camera)) {
+    changed += std::string(key.name) + " = " + key.value() + newline;
+  }
+  // An array written in one line, view = [...], takes no more tables.
+  try {
+    parse_toml(changed, file);
+  } catch (const Error&) {
+    throw Error(ErrorKind::failure, file, "a view cannot be added to views that are written this way");
+  }
+  return changed;
+}
+
 CameraFile::CameraFile(std::filesystem::path file) : file_(std::move(file)), text_(read_file(file_)) {}
 
-bool CameraFile::write(const CameraSettings& camera) {
+void CameraFile::check_unchanged() {
   if (new_ && std::filesystem::exists(file_)) {
     throw Error(ErrorKind::output, file_.string(), "is there already, so it was left alone");
   }
@@ -168,14 +193,29 @@ bool CameraFile::write(const CameraSettings& camera) {
     text_ = std::move(now);
     throw Error(ErrorKind::output, file_.string(), "changed since it was read, so it was left alone");
   }
+}
+
+void CameraFile::replace(std::string text) {
+  AtomicFile out(file_);
+  out.stream() << text;
+  out.commit();
+  text_ = std::move(text);
+  new_ = false;
+}
+
+bool CameraFile::write(const CameraSettings& camera) {
+  check_unchanged();
   std::string next = with_camera(text_, file_.string(), camera);
   if (next == text_ && !new_) return false;
-  AtomicFile out(file_);
-  out.stream() << next;
-  out.commit();
-  text_ = std::move(next);
-  new_ = false;
+  replace(std::move(next));
   return true;
+}
+
+std::string CameraFile::add_view(const CameraSettings& camera) {
+  check_unchanged();
+  std::string name;
+  replace(with_view(text_, file_.string(), camera, name));
+  return name;
 }
 
 }  // namespace raylab

@@ -23,11 +23,13 @@ void read_scene(const TomlValue& root, const std::filesystem::path& file, const 
   const TomlValue* material = reader.find("material");
   const auto mesh_tables = tables_of(reader.find("mesh"), "mesh");
   const auto sphere_tables = tables_of(reader.find("sphere"), "sphere");
+  const auto view_tables = tables_of(reader.find("view"), "view");
   reader.finish();
 
   Scene& scene = loaded.scene;
   scene.name = file.stem().string();
   loaded.camera = read_camera(camera);
+  loaded.views = read_views(view_tables, loaded.camera);
   scene.render = read_render(render);
   scene.environment = read_background(background, folder, library.files);
   SceneMaterials materials(material, folder, library);

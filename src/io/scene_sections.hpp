@@ -10,6 +10,7 @@
 #include "material_library.hpp"
 #include "mesh_files.hpp"
 #include "mesh_placement.hpp"
+#include "raylab/io/scene_file.hpp"
 #include "raylab/scene/camera.hpp"
 #include "raylab/scene/scene.hpp"
 #include "toml_value.hpp"
@@ -18,6 +19,9 @@ namespace raylab {
 
 /// [camera]: every key optional. Refuses look_from = look_at and a view along up.
 CameraSettings read_camera(const TomlValue* table);
+
+/// [[view]]: a name, which no other view has, and the keys of [camera]; those that are left out are the camera's.
+std::vector<NamedView> read_views(std::span<const TomlValue> tables, const CameraSettings& camera);
 
 /// [render]: every key optional. Refuses pictures of more than 2^28 pixels.
 RenderSettings read_render(const TomlValue* table);

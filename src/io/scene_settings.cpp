@@ -1,4 +1,5 @@
 // [camera], [render] and [background].
+#include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 
@@ -22,17 +23,26 @@ constexpr Numbers kConeAngle = {"a number of degrees in [0, 180)", [](float x) {
   table.fail_here(message);
 }
 
-void check_view(const CameraSettings& camera, const TomlValue& table) {
+void check_view(const CameraSettings& camera, const TomlValue& table, const std::string& path) {
   const dvec3 view = dvec3(camera.look_at) - dvec3(camera.look_from);
   const dvec3 up(camera.up);
   if (view == dvec3(0.0)) {
-    fail_at(table, {"look_at", "look_from"}, "camera: look_from and look_at are the same point");
+    fail_at(table, {"look_at", "look_from"}, path + ": look_from and look_at are the same point");
   }
-  if (up == dvec3(0.0)) fail_at(table, {"up"}, "camera.up: found a vector of length zero, expected a direction");
+  if (up == dvec3(0.0)) fail_at(table, {"up"}, path + ".up: found a vector of length zero, expected a direction");
   // The same to within rounding of the float components.
   if (glm::length(glm::cross(glm::normalize(view), glm::normalize(up))) < 1e-6) {
-    fail_at(table, {"up", "look_at", "look_from"}, "camera: the view from look_from to look_at runs along up");
+    fail_at(table, {"up", "look_at", "look_from"}, path + ": the view from look_from to look_at runs along up");
   }
+}
+
+void read_camera_keys(TableReader& reader, CameraSettings& camera) {
+  reader.vector("look_from", camera.look_from, kAnyNumber);
+  reader.vector("look_at", camera.look_at, kAnyNumber);
+  reader.vector("up", camera.up, kAnyNumber);
+  reader.number("vfov", camera.vfov, kFieldOfView);
+  reader.number("defocus_angle", camera.defocus_angle, kConeAngle);
+  reader.number("focus_distance", camera.focus_distance, kPositive);
 }
 
 }  // namespace
@@ -41,15 +51,32 @@ CameraSettings read_camera(const TomlValue* table) {
   CameraSettings camera;
   if (table == nullptr) return camera;
   TableReader reader(*table, "camera");
-  reader.vector("look_from", camera.look_from, kAnyNumber);
-  reader.vector("look_at", camera.look_at, kAnyNumber);
-  reader.vector("up", camera.up, kAnyNumber);
-  reader.number("vfov", camera.vfov, kFieldOfView);
-  reader.number("defocus_angle", camera.defocus_angle, kConeAngle);
-  reader.number("focus_distance", camera.focus_distance, kPositive);
+  read_camera_keys(reader, camera);
   reader.finish();
-  check_view(camera, *table);
+  check_view(camera, *table, "camera");
   return camera;
+}
+
+std::vector<NamedView> read_views(std::span<const TomlValue> tables, const CameraSettings& camera) {
+  std::vector<NamedView> views;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string path = "view." + std::to_string(i);
+    TableReader reader(tables[i], path);
+    NamedView view{"", camera};
+    reader.string("name", view.name);
+    read_camera_keys(reader, view.camera);
+    reader.finish();
+    const TomlValue& name = reader.require("name");
+    constexpr const char* letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+    if (view.name.find_first_not_of(letters) != std::string::npos) {
+      name.fail(path + ".name", "a name of letters, digits, - and _, as files are named after it");
+    }
+    const bool taken = std::any_of(views.begin(), views.end(), [&](const NamedView& v) { return v.name == view.name; });
+    if (taken) name.fail(path + ".name", "a name that no view before it has");
+    check_view(view.camera, tables[i], path);
+    views.push_back(std::move(view));
+  }
+  return views;
 }
 
 RenderSettings read_render(const TomlValue* table) {

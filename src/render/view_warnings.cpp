@@ -31,11 +31,14 @@ Seen look(const Scene& scene, const Accelerator& accelerator, const RenderOption
   return seen;
 }
 
-Bounds mesh_bounds(const Geometry& geometry) {
+/// Bounds of the triangles that are no lights: a lamp need not be in view.
+Bounds bounds_of_shown(const Scene& scene) {
   Bounds bounds;
-  for (const TriangleMesh& mesh : geometry.meshes) {
+  for (std::uint32_t m = 0; m < scene.geometry.meshes.size(); ++m) {
+    const TriangleMesh& mesh = scene.geometry.meshes[m];
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (is_valid_triangle(mesh, i)) bounds.extend(triangle_bounds(triangle_corners(mesh, i)));
+      const bool emits = scene.materials[scene.mesh_materials[m].of(i)].kind == Material::Kind::diffuse_light;
+      if (!emits && is_valid_triangle(mesh, i)) bounds.extend(triangle_bounds(triangle_corners(mesh, i)));
     }
   }
   return bounds;
@@ -63,8 +66,9 @@ std::vector<std::string> view_warnings(const Scene& scene, const Accelerator& ac
   const Seen seen = look(scene, accelerator, options);
   if (!seen.anything) {
     warnings.push_back("the camera sees nothing of the scene, which lies from " + extent(scene.geometry.bounds()));
-  } else if (!seen.mesh && scene.geometry.triangle_count() > 0) {
-    warnings.push_back("the camera sees no mesh; meshes lie from " + extent(mesh_bounds(scene.geometry)));
+  } else if (!seen.mesh) {
+    const Bounds shown = bounds_of_shown(scene);
+    if (!shown.empty()) warnings.push_back("the camera sees no mesh; meshes lie from " + extent(shown));
   }
   return warnings;
 }

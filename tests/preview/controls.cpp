@@ -70,6 +70,35 @@ TEST_CASE("the help calls keys as the keyboard does", "[unit][preview]") {
   }
 }
 
+TEST_CASE("N adds a view to the scene file, and the page keys go from view to view", "[unit][preview]") {
+  Ball ball;
+  ball.press(Key::page_down);
+  CHECK(ball.explorer->message() == "the scene has no views yet");
+  const CameraSettings first = ball.explorer->camera();
+  ball.press(Key::n);
+  ball.press(Key::w, 0.5);
+  const CameraSettings second = ball.explorer->camera();
+  REQUIRE(first.look_from != second.look_from);
+  ball.press(Key::n);
+  ball.press(Key::d, 0.5);
+  ball.press(Key::page_down);
+  CHECK(ball.explorer->camera() == first);
+  ball.press(Key::page_down);
+  CHECK(ball.explorer->camera() == second);
+  ball.press(Key::page_up);
+  CHECK(ball.explorer->camera() == first);
+  ball.press(Key::page_up);
+  CHECK(ball.explorer->camera() == second);
+  const LoadedScene saved = load_scene(ball / "ball.toml");
+  REQUIRE(saved.views.size() == 2);
+  CHECK(saved.views[0].name == "view-1");
+  CHECK(saved.views[1].name == "view-2");
+  CHECK(saved.views[0].camera == first);
+  CHECK(saved.views[1].camera == second);
+  CHECK(saved.camera == first);
+  CHECK(read_text(ball / "ball.toml").starts_with(kBall));
+}
+
 TEST_CASE("U hides all text, and help brings it back", "[unit][preview]") {
   Ball ball;
   CHECK(ball.explorer->shows_hud());

@@ -103,6 +103,24 @@ TEST_CASE("the raster view shows a sphere's colour at its pixels and the sky els
   }
 }
 
+TEST_CASE("a newcomer flies through a model and saves the view in a scene file made for it", "[gui][preview]") {
+  const Display display;
+  const std::string model = display.file("mine.obj"), scene = display.file("mine.toml");
+  write_text(model, "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 4 3 5\nf 3 2 5\nf 2 1 5\nf 1 4 5\n");
+  write_text(display / "script", "key w 10\nkey enter\n");
+  const ProgramResult result = display.preview({model, "--script", (display / "script").string()});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const LoadedScene made = load_scene(model), saved = load_scene(scene);
+  CHECK(saved.scene.geometry.triangle_count() == 4);
+  CHECK(saved.camera.look_from != made.camera.look_from);
+  CHECK(saved.camera.vfov == made.camera.vfov);
+  // Another window on the model leaves the file alone that is there now.
+  const std::string text = read_text(scene);
+  REQUIRE(display.preview({model, "--script", (display / "script").string()}).exit_code == 0);
+  CHECK(read_text(scene) == text);
+}
+
 TEST_CASE("a triangle covers the pixels that its rays hit, in front of a sphere behind it", "[gui][preview]") {
   const Display display;
   write_text(display / "t.obj", "v 0 -1 1.5\nv 1 -1 1.5\nv 0 1 1.5\nf 1 2 3\n");

@@ -14,6 +14,10 @@ namespace raylab {
 /// (failure) where a camera written in an unheard-of way cannot be changed in place.
 std::string with_camera(std::string_view text, const std::string& file, const CameraSettings& camera);
 
+/// The text with a [[view]] of this camera after all else. `name` becomes the view's: "view-1", or the next number that
+/// no view has. Throws Error as with_camera() does.
+std::string with_view(std::string_view text, const std::string& file, const CameraSettings& camera, std::string& name);
+
 /// Writes a camera back to its scene file.
 class CameraFile {
  public:
@@ -30,9 +34,15 @@ class CameraFile {
   /// now, so that asking a second time means it. Throws Error (output) too when it cannot be written.
   bool write(const CameraSettings& camera);
 
+  /// Adds a [[view]] with the camera and returns its name; otherwise as write() does.
+  std::string add_view(const CameraSettings& camera);
+
   const std::filesystem::path& file() const { return file_; }
 
  private:
+  void check_unchanged();
+  void replace(std::string text);
+
   std::filesystem::path file_;
   std::string text_;
   bool new_ = false;

@@ -27,10 +27,17 @@ struct LoadOptions {
   ModelOptions model;          ///< for a model; a scene file takes none
 };
 
+/// A camera beside the scene's own, that pictures are made from and flights lead through.
+struct NamedView {
+  std::string name;  ///< of letters, digits, - and _
+  CameraSettings camera;
+};
+
 /// A scene, the camera that its file gives, and what loading it had to say.
 struct LoadedScene {
   Scene scene;
   CameraSettings camera;
+  std::vector<NamedView> views;              ///< in the order of the file
   bool made_for_model = false;               ///< the file is a model, and the scene was made for it
   std::string text;                          ///< of the scene file: as it is, or as made for the model
   std::vector<std::filesystem::path> files;  ///< all that were read: the file, and those that it names
