@@ -191,10 +191,11 @@ void Window::update_capture() {
 }
 
 bool Window::poll(double wait_seconds) {
-  if (wait_seconds > 0.0)
+  if (wait_seconds > 0.0) {
     glfwWaitEventsTimeout(wait_seconds);
-  else
+  } else {
     glfwPollEvents();
+  }
   update_capture();
   return std::exchange(heard_, false);
 }

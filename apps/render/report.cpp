@@ -68,13 +68,15 @@ std::string report_text(const RenderReport& r) {
   } else {
     text += "dropped    0 samples\n";
   }
-  if (s.too_bright > 0)
+  if (s.too_bright > 0) {
     text += format("clamped    %" PRIu64 " samples brighter than %.2g count as that much: weaken the lights\n",
                    s.too_bright, ExactSum::kLargest);
-  if (s.too_dark > 0)
+  }
+  if (s.too_dark > 0) {
     text +=
         format("faded      %" PRIu64 " samples darker than %.2g have lost precision, or all: strengthen the lights\n",
                s.too_dark, ExactSum::kLeast);
+  }
   return text;
 }
 

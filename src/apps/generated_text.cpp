@@ -103,7 +103,7 @@ std::string man_synopsis(const CLI::App& app, const std::string& name) {
 }
 
 std::string man_page(const CLI::App& app) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string title = name;
   std::transform(title.begin(), title.end(), title.begin(), [](char c) { return 'a' <= c && c <= 'z' ? c - 32 : c; });
   std::string summary = app.get_description();
@@ -139,7 +139,7 @@ void add_bash_cases(const CLI::App& app, const std::string& command, std::string
     std::string pattern;
     for (const std::string& name : choice.names) {
       names.push_back(name);
-      pattern += (pattern.empty() ? "'" : " | '") + command + " " + name + "'";
+      pattern.append(pattern.empty() ? "'" : " | '").append(command).append(" ").append(name).append("'");
     }
     if (choice.takes.empty()) continue;
     values += "    " + pattern + ") ";
@@ -231,7 +231,7 @@ std::string zsh_arguments(const CLI::App& app, const std::string& indent) {
 }
 
 std::string zsh_completion(const CLI::App& app) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string text =
       "#compdef " + name + "\n# Completions of " + name + " for zsh, made by: " + name + " --generate zsh\n";
   if (commands_of(app).empty()) return text + zsh_arguments(app, "") + "\n";
@@ -274,8 +274,10 @@ std::string fish_completion(const CLI::App& app) {
                      fish_options(app, begin + (commands_of(app).empty() ? "" : " -n __fish_use_subcommand"));
   for (const CLI::App* command : commands_of(app)) {
     const std::string& name = command->get_name();
-    text += begin + " -n __fish_use_subcommand -f -a " + name + " -d " + fish_quoted(command->get_description()) + "\n";
-    text += fish_options(*command, begin + " -n '__fish_seen_subcommand_from " + name + "'");
+    text.append(begin).append(" -n __fish_use_subcommand -f -a ").append(name).append(" -d ");
+    text.append(fish_quoted(command->get_description())).append("\n");
+    std::string within = begin;
+    text += fish_options(*command, within.append(" -n '__fish_seen_subcommand_from ").append(name).append("'"));
   }
   return text;
 }

@@ -132,7 +132,7 @@ void smooth_normals(TriangleMesh& mesh, float degrees) {
       if (cancels || index == 0xffffffffu) {
         const dvec3 none = own == dvec3(0.0) ? dvec3(0.0, 1.0, 0.0) : own;
         index = static_cast<std::uint32_t>(mesh.normals.size());
-        mesh.normals.push_back(vec3(cancels ? none : sums[c.fan] / length));
+        mesh.normals.emplace_back(cancels ? none : sums[c.fan] / length);
       }
       mesh.normal_indices[c.triangle][static_cast<int>(c.at)] = index;
       smooth = smooth || glm::dot(dvec3(mesh.normals[index]), own) < 1.0 - 1e-9;
