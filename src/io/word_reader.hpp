@@ -7,7 +7,7 @@
 
 namespace raylab {
 
-/// Takes a text apart into words, and knows the line at hand. A line may end in \n, \r\n or \r. A byte order mark at
+/// Takes a text apart into words, and knows the line at hand. A line may end in LF, CR LF or CR. A byte order mark at
 /// the beginning is no word.
 class WordReader {
  public:
