@@ -108,6 +108,21 @@ TEST_CASE("the scene made for a model reads back as the same scene from any fold
   CHECK(load_scene(folder.write("sub/scene.toml", beside.text)).scene.geometry.triangle_count() == 1);
 }
 
+TEST_CASE("a model of any name is shown, and kept in a scene file where TOML can hold the name", "[unit]") {
+  InputFolder folder;
+  for (const char* name : {"line\nend.obj", "tab\t.obj", "delete\x7f.obj", "na\xc3\xafve.obj", "odd\xff.obj"}) {
+    INFO(name);
+    const LoadedScene loaded = load_scene(folder.write(name, kTriangle));
+    CHECK(loaded.scene.geometry.triangle_count() == 1);
+    if (name == std::string("odd\xff.obj")) continue;
+    CHECK(load_scene(folder.write("again.toml", loaded.text)).scene.geometry.triangle_count() == 1);
+  }
+  LoadOptions kept;
+  kept.model.folder = folder.path();
+  expect_error(ErrorKind::input, folder.at("odd\xff.obj"), {"not UTF-8"},
+               [&] { load_scene(folder / "odd\xff.obj", kept); });
+}
+
 TEST_CASE("a model is framed in the shape of the picture", "[unit]") {
   InputFolder folder;
   const auto model = folder.write("long.obj", box_text(vec3(0), vec3(10, 1, 1)));

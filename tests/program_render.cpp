@@ -304,6 +304,9 @@ TEST_CASE("a model is rendered as it is, and the scene made for it can be kept o
   const ProgramResult second = raylab_render({model, "-o", picture, "--write-scene", scene});
   CHECK(second.exit_code == 4);
   CHECK(second.err.find("is there already") != std::string::npos);
+  const ProgramResult both = raylab_render({model, "--write-scene", scene, "--set", "camera.vfov=20"});
+  CHECK(both.exit_code == 2);
+  CHECK(both.err.find("--set excludes --write-scene") != std::string::npos);
   CHECK(read_text(scene) == text);
 }
 

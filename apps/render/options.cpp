@@ -107,7 +107,8 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
       ->allow_extra_args(false)
       ->check(CLI::IsMember(kLayers));
   app.add_option("--stats", command.stats_file, "Write what was measured to this JSON file");
-  app.add_option("--write-scene", command.write_scene, "Of a model: write the scene made for it to this file (TOML)");
+  app.add_option("--write-scene", command.write_scene, "Of a model: write the scene made for it to this file (TOML)")
+      ->excludes("--set");  // which would not be in the file
   CLI::Option* views =
       app.add_flag("--views", command.views, "A picture of each [[view]] of the scene, NAME-VIEW.png of -o NAME.png");
   app.add_option("--fly", command.fly,

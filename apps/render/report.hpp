@@ -30,7 +30,8 @@ std::string report_text(const RenderReport& report);
 /// The same figures for `--stats`.
 std::string report_json(const RenderReport& report);
 
-/// The command that renders the first dropped sample, and nothing else, again.
+/// The command that renders the first dropped sample again, and nothing else; of every view or frame, if there are
+/// some.
 std::string replay_command(const RenderReport& report);
 
 }  // namespace raylab

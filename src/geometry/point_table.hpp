@@ -9,8 +9,8 @@
 
 namespace raylab {
 
-/// Finds points that are equal, bit by bit: 0 and -0 are two. An open hash table, half full at most, of indices into
-/// the points.
+/// Finds points that are equal. They hold no -0, which equals 0 and would not be found. An open hash table, half full
+/// at most, of indices into the points.
 class PointTable {
  public:
   PointTable(std::vector<vec3>& points, std::size_t expected) : points_(points) { resize(2 * expected); }

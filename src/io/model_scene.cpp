@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "message_text.hpp"
 #include "raylab/core/text.hpp"
@@ -62,13 +63,12 @@ double own_light(const MeshWithMaterials& model, const MaterialLibrary& library,
   return power / (4.0 * 3.14159265358979323846 * radius * radius);
 }
 
+/// As a TOML string, whose escapes are JSON's but for the one that JSON leaves out. What is not UTF-8 is replaced.
 std::string in_toml(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted += '"';
+  using nlohmann::json;
+  std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+  for (std::size_t at = 0; (at = quoted.find('\x7f', at)) != std::string::npos;) quoted.replace(at, 1, "\\u007F");
+  return quoted;
 }
 
 }  // namespace

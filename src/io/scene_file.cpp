@@ -55,11 +55,18 @@ std::uint64_t content_hash(const std::string& text, const std::vector<std::strin
 /// What is no file, a pipe for one, can be read but once: it is a scene.
 FileKind kind_of(const std::filesystem::path& file) { return is_file(file) ? model_kind(file, true) : FileKind::scene; }
 
-std::string made_scene(const std::filesystem::path& file, FileKind kind, const std::filesystem::path& folder,
-                       const MaterialLibrary& library, MeshFiles& models, const ModelOptions& options) {
-  const MeshWithMaterials& model = models.read(file, kind, {});
-  const std::filesystem::path name = std::filesystem::proximate(file, folder.empty() ? "." : folder);
-  return model_scene_text(model, library, kind, name.generic_string(), options);
+/// The model's file as paths from the folder name it.
+std::string name_from(const std::filesystem::path& folder, const std::filesystem::path& model) {
+  return std::filesystem::proximate(model, folder.empty() ? "." : folder).generic_string();
+}
+
+/// Names of files need not be UTF-8, which TOML is: in the document the model has its own name, whatever the text has.
+void name_model(TomlValue& root, const std::string& name, const std::filesystem::path& model, bool is_kept) {
+  std::string& written = root.find("mesh")->items.front().find("file")->text;
+  if (is_kept && written != name) {
+    throw Error(ErrorKind::input, model.string(), "has a name that is not UTF-8, so no scene file can name it");
+  }
+  written = name;
 }
 
 }  // namespace
@@ -75,7 +82,8 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
   loaded.made_for_model = kind != FileKind::scene;
   if (loaded.made_for_model) {
     if (!options.model.folder.empty()) folder = options.model.folder;
-    loaded.text = made_scene(file, kind, folder, library, models, options.model);
+    const MeshWithMaterials& model = models.read(file, kind, {});
+    loaded.text = model_scene_text(model, library, kind, name_from(folder, file), options.model);
   } else {
     const ModelOptions& model = options.model;
     if (model.up != '\0' || model.ground || !model.folder.empty()) {
@@ -84,6 +92,7 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     loaded.text = read_file(file);
   }
   TomlValue root = parse_toml(loaded.text, file.string());
+  if (loaded.made_for_model) name_model(root, name_from(folder, file), file, !options.model.folder.empty());
   for (const std::string& assignment : options.overrides) apply_override(root, assignment);
 
   read_scene(root, file, folder, library, models, loaded);

@@ -15,15 +15,13 @@ bool is_solid(const Texture& texture, const Rgb& color) {
 }  // namespace
 
 float fuzz_of_roughness(float roughness) {
-  // Half of the normals of GGX with width a lie within tan = a of its axis (Walter et al. 2007, equation 35 at 1/2),
-  // and the mirror direction turns by twice the angle. Half of the directions r + f s, s uniform on the unit sphere,
-  // lie within sin = f sin 60° of r where f is small: of each circle around r the one at 60° and its mirror image part
-  // half.
-  const double width = static_cast<double>(roughness) * static_cast<double>(roughness);
-  const double angle = 2.0 * std::atan(width);
+  // Half of the normals of GGX with width w lie within an angle of tangent w of its axis (Walter et al. 2007, equation
+  // 35), and the mirror direction turns by twice that angle, whose sine is 2 w / (1 + w²). Half of the points s of a
+  // unit sphere lie within sin 60° of the axis along r, so that half of the directions r + f s turn by a sine of up to
+  // f sin 60°, where f is small.
   constexpr double kSineOf60Degrees = 0.86602540378443865;
-  const double sine = angle < 1.5707963267948966 ? std::sin(angle) : 1.0;
-  return static_cast<float>(std::min(1.0, sine / kSineOf60Degrees));
+  const double width = static_cast<double>(roughness) * static_cast<double>(roughness);
+  return static_cast<float>(std::min(1.0, 2.0 * width / (1.0 + width * width) / kSineOf60Degrees));
 }
 
 Material nearest_material(const SurfaceDescription& surface, std::vector<std::string>& left_out) {
