@@ -6,76 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "catch.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/image/metrics.hpp"
-#include "run_program.hpp"
-#include "temp_folder.hpp"
+#include "small_scene.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
 namespace fs = std::filesystem;
-
-namespace {
-
-const std::string kProgram = RAYLAB_BINARY_DIR "/raylab-render";
-const std::string kCornell = RAYLAB_SOURCE_DIR "/scenes/cornell.toml";
-
-ProgramResult raylab_render(const std::vector<std::string>& arguments) { return run_program(kProgram, arguments); }
-
-constexpr const char* kBall = R"([camera]
-look_from = [0, 0, 5]
-look_at = [0, 0, 0]
-vfov = 40
-[render]
-width = 16
-height = 8
-samples_per_pixel = 4
-max_depth = 5
-[background]
-color = [1, 1, 1]
-[material.grey]
-type = "lambertian"
-albedo = [0.5, 0.5, 0.5]
-[[sphere]]
-center = [0, 0, 0]
-radius = 1
-material = "grey"
-)";
-
-/// A folder with a small scene, and an output file that was there before.
-struct SmallScene : TempFolder {
-  std::string scene = (*this / "ball.toml").string();
-  std::string output = (*this / "ball.exr").string();
-  SmallScene() {
-    write_text(scene, kBall);
-    write_text(output, "what was here before");
-  }
-  /// Writes the scene with `from` replaced by `to`.
-  void change(const std::string& from, const std::string& to) {
-    std::string text = kBall;
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    write_text(scene, text.replace(at, from.size(), to));
-  }
-  /// Renders; it must fail with this exit code and one line that contains the parts, and leave the output alone.
-  void expect_failure(int exit_code, const std::vector<std::string>& parts,
-                      std::vector<std::string> arguments = {}) const {
-    arguments.insert(arguments.begin(), {scene, "-o", output});
-    const ProgramResult result = raylab_render(arguments);
-    INFO(result.err);
-    CHECK(result.exit_code == exit_code);
-    CHECK(result.out.empty());
-    for (const std::string& part : parts) {
-      INFO("expected: " << part);
-      CHECK(result.err.find(part) != std::string::npos);
-    }
-    CHECK(result.err.rfind("raylab-render: ", 0) == 0);
-    CHECK(read_text(output) == "what was here before");
-  }
-};
-
-}  // namespace
 
 TEST_CASE("raylab-render writes each picture it is asked for and reports what it did", "[cli]") {
   const SmallScene small;
@@ -233,32 +170,6 @@ TEST_CASE("a side that is derived from the scene's aspect ratio counts in the li
   small.expect_failure(2, {"--width", "65536 x 17592186044416"}, {"--width", "65536"});
 }
 
-TEST_CASE("a picture that will not be what was wanted is rendered, with a warning of what to do", "[cli]") {
-  SmallScene small;
-  const auto warning = [&](std::vector<std::string> arguments = {}) {
-    arguments.insert(arguments.begin(), {small.scene, "-o", small.output});
-    const ProgramResult result = raylab_render(arguments);
-    CHECK(result.exit_code == 0);
-    CHECK(std::count(result.err.begin(), result.err.end(), '\n') <= 1);
-    return result.err;
-  };
-  const auto holds = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
-  CHECK(warning().empty());
-  CHECK(warning({"--quiet", "--set", "background.color=[0, 0, 0]"}).empty());
-  CHECK(holds(warning({"--set", "background.color=[0, 0, 0]"}), "warning: the scene has no light"));
-  CHECK(holds(warning({"--set", "camera.look_at=[0, 0, 9]"}),
-              "warning: the camera sees nothing of the scene, which lies from [-1, -1, -1] to [1, 1, 1]: "
-              "camera.look_at = [0, 0, 0] looks there"));
-  small.change("[[sphere]]", "[[mesh]]\nfile = \"m.obj\"\n[[sphere]]");
-  write_text(small / "m.obj", "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
-  CHECK(holds(warning(), "warning: the camera sees no mesh; meshes lie from [50, 0, 0]"));
-  // A lamp inside a closed ball lights nothing that is seen.
-  small.change("[[sphere]]",
-               "[material.lamp]\ntype = \"diffuse_light\"\n[[sphere]]\ncenter = [0, 0, 0]\n"
-               "radius = 0.5\nmaterial = \"lamp\"\n[[sphere]]");
-  CHECK(holds(warning({"--set", "background.color=[0, 0, 0]"}), "warning: the picture is black: no light reaches"));
-}
-
 TEST_CASE("views are rendered one picture each, and a flight leads through them", "[cli]") {
   SmallScene small;
   small.expect_failure(3, {"has 0 [[view]] tables, and --views needs one or more"}, {"--views"});
@@ -278,15 +189,6 @@ TEST_CASE("views are rendered one picture each, and a flight leads through them"
   CHECK(flight.out.find("film       ") != std::string::npos);
   for (const char* frame : {"b-0001.png", "b-0002.png", "b-0003.png"}) CHECK(read_image8(small / frame).width == 16);
   small.expect_failure(2, {"--views"}, {"--views", "--fly", "3"});
-}
-
-TEST_CASE("layers that no file takes are told of", "[cli]") {
-  const SmallScene small;
-  const ProgramResult result =
-      raylab_render({small.scene, "-o", (small / "a.png").string(), "--layers", "normal", "--spp", "1"});
-  CHECK(result.exit_code == 0);
-  CHECK(result.err.find("warning: --layers: nothing is written of them") != std::string::npos);
-  CHECK(result.out.find("not estimated: that takes two samples per pixel") != std::string::npos);
 }
 
 TEST_CASE("a model is rendered as it is, and the scene made for it can be kept once", "[cli]") {
@@ -321,83 +223,6 @@ TEST_CASE("names that are not UTF-8 are taken, and replaced where JSON cannot ho
   CHECK(result.exit_code == 0);
   CHECK(read_exr(odd).width == 16);
   CHECK(nlohmann::json::parse(read_text(stats)).at("scene") == "odd\xef\xbf\xbd");
-}
-
-TEST_CASE("a bad scene exits with 3, with place and value", "[cli]") {
-  SmallScene small;
-  const std::string file = small.scene;
-  SECTION("a missing scene file") {
-    fs::remove(small.scene);
-    small.expect_failure(3, {file});
-  }
-  SECTION("a syntax error") {
-    small.change("vfov = 40", "vfov = = 40");
-    small.expect_failure(3, {file + ":4:"});
-  }
-  SECTION("a wrong type") {
-    small.change("vfov = 40", "vfov = \"wide\"");
-    small.expect_failure(3, {file + ":4:", "wide"});
-  }
-  SECTION("an unknown key") {
-    small.change("vfov = 40", "vfow = 40");
-    small.expect_failure(3, {file + ":4:", "vfow", "vfov"});
-  }
-  SECTION("a picture without pixels") {
-    small.change("width = 16", "width = 0");
-    small.expect_failure(3, {file + ":6:", "0"});
-  }
-  SECTION("a camera that looks along up") {
-    small.change("look_at = [0, 0, 0]", "look_at = [0, 9, 5]");
-    small.expect_failure(3, {file, "up"});
-  }
-  SECTION("a camera that looks nowhere") {
-    small.change("look_at = [0, 0, 0]", "look_at = [0, 0, 5]");
-    small.expect_failure(3, {file, "look_at"});
-  }
-  SECTION("a missing mesh") {
-    small.change("[[sphere]]", "[[mesh]]\nobj = \"nowhere.obj\"\n[[sphere]]");
-    small.expect_failure(3, {file + ":16:", "nowhere.obj"});
-  }
-  SECTION("an index out of range") {
-    write_text(small / "bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
-    small.change("[[sphere]]", "[[mesh]]\nobj = \"bad.obj\"\nmaterial = \"grey\"\n[[sphere]]");
-    small.expect_failure(3, {(small / "bad.obj").string() + ":4", "4"});
-  }
-  SECTION("a vertex that is no number") {
-    write_text(small / "bad.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
-    small.change("[[sphere]]", "[[mesh]]\nobj = \"bad.obj\"\nmaterial = \"grey\"\n[[sphere]]");
-    small.expect_failure(3, {(small / "bad.obj").string() + ":2", "nan"});
-  }
-}
-
-TEST_CASE("a missing texture is a warning by name and shows in magenta", "[cli]") {
-  const SmallScene small;
-  write_text(small / "wall.mtl", "newmtl wall\nillum 2\nKd 1 1 1\nmap_Kd missing.png\n");
-  write_text(small / "wall.obj",
-             "mtllib wall.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nvt 0 0\nusemtl wall\nf 1/1 2/1 3/1 4/1\n");
-  write_text(small.scene,
-             "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [1, 1, 1]\n"
-             "[[mesh]]\nobj = \"wall.obj\"\n");
-  const ProgramResult result =
-      raylab_render({small.scene, "-o", small.output, "--width", "4", "--height", "4", "--spp", "16"});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
-  CHECK(result.err.find("wall.mtl:4") != std::string::npos);
-  CHECK(result.err.find("missing.png") != std::string::npos);
-  const Rgb pixel = read_exr(small.output).at(2, 2);
-  CHECK(pixel.r > 0.5f);
-  CHECK(pixel.g == 0.0f);
-  CHECK(pixel.b == pixel.r);
-}
-
-TEST_CASE("an empty scene renders its background, with a warning", "[cli]") {
-  const SmallScene small;
-  write_text(small.scene,
-             "[camera]\nlook_from = [0, 0, 5]\nlook_at = [0, 0, 0]\n[background]\ncolor = [0.25, 0.5, 1]\n");
-  const ProgramResult result = raylab_render({small.scene, "-o", small.output, "--width", "2", "--height", "2"});
-  CHECK(result.exit_code == 0);
-  CHECK(result.err.find("warning") != std::string::npos);
-  CHECK(read_exr(small.output).at(1, 1) == Rgb(0.25f, 0.5f, 1.0f));
 }
 
 TEST_CASE("an output that cannot be written is told before rendering, with exit code 4", "[cli]") {

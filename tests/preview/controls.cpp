@@ -1,15 +1,12 @@
-// Keys, scripts and what they do, without a window.
+// Keys and mouse and what they do, without a window.
 #include <thread>
 
 #include "../catch.hpp"
-#include "../expect_error.hpp"
 #include "../temp_folder.hpp"
 #include "explorer.hpp"
 #include "first_surfaces.hpp"
 #include "mouse.hpp"
-#include "raster_geometry.hpp"
 #include "raylab/io/scene_file.hpp"
-#include "script.hpp"
 #include "watched_files.hpp"
 
 using namespace raylab;
@@ -371,94 +368,4 @@ TEST_CASE("a scene read again keeps the view, unless its file has another camera
   CHECK(ball.explorer->camera() == other);
   ball.press(Key::enter);
   CHECK(ball.explorer->take_written());
-}
-
-TEST_CASE("scripts are parsed line by line", "[unit][preview]") {
-  const auto steps = parse_script("# c\nkey W 3\n\n drag -10 2.5 # more\nscreenshot a.png\nwait still\n", "s");
-  REQUIRE(steps.size() == 6);
-  CHECK(steps[0].kind == ScriptStep::Kind::down);
-  CHECK(steps[0].key == Key::w);
-  CHECK(steps[1].count == 3);
-  CHECK(steps[2].kind == ScriptStep::Kind::up);
-  CHECK(steps[3].x == -10.0);
-  CHECK(steps[3].line == 4);
-  CHECK(steps[4].file == "a.png");
-  CHECK(steps[5].kind == ScriptStep::Kind::wait_still);
-  for (const char* bad : {"jump", "key hyper", "wait", "wait 0", "wait soon", "drag 1", "mouse 1", "drag 1 x",
-                          "close now", "resize 0 10", "screenshot", "key w 1 2"}) {
-    INFO(bad);
-    expect_error(ErrorKind::input, "s:2", {}, [&] { parse_script(std::string("wait 1\n") + bad, "s"); });
-  }
-}
-
-TEST_CASE("a script's steps come in their frames", "[unit][preview]") {
-  ScriptRunner runner(parse_script("key w 2\nwait still\nscreenshot a\nclose", "s"));
-  using Kind = ScriptStep::Kind;
-  CHECK(runner.next(false)->kind == Kind::down);
-  CHECK(runner.next(false) == nullptr);
-  CHECK(runner.next(false) == nullptr);
-  CHECK(runner.next(true)->kind == Kind::up);
-  CHECK(runner.next(true) == nullptr);  // still, but of what was before
-  CHECK(runner.next(false) == nullptr);
-  CHECK(runner.next(true)->kind == Kind::screenshot);
-  CHECK(runner.next(true) == nullptr);  // the frame that is shot
-  CHECK_FALSE(runner.finished());
-  CHECK(runner.next(true)->kind == Kind::close);
-  CHECK(runner.finished());
-}
-
-TEST_CASE("while moving, large meshes are drawn with fewer triangles over the same surface", "[unit][preview]") {
-  Scene scene;
-  TriangleMesh grid;  // 100 x 100 squares of a bowl
-  constexpr std::uint32_t n = 100;
-  for (std::uint32_t y = 0; y <= n; ++y) {
-    for (std::uint32_t x = 0; x <= n; ++x) {
-      const vec2 at(static_cast<float>(x) / n, static_cast<float>(y) / n);
-      grid.positions.emplace_back(at.x, at.y, at.x * at.x + at.y * at.y);
-    }
-  }
-  for (std::uint32_t y = 0; y < n; ++y) {
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t i = y * (n + 1) + x;
-      grid.triangles.emplace_back(i, i + 1, i + n + 2);
-      grid.triangles.emplace_back(i, i + n + 2, i + n + 1);
-    }
-  }
-  grid.triangles.emplace_back(0, 1, 99999999);  // invalid: left out
-  scene.geometry.meshes.push_back(grid);
-  scene.mesh_materials.resize(1);
-  const RasterGeometry full = raster_geometry(scene, 100000);
-  REQUIRE(full.full.size() == 1);
-  CHECK(full.full[0].count == 3 * 2 * n * n);
-  CHECK(full.coarse_triangles() == 2 * n * n);
-  const RasterGeometry few = raster_geometry(scene, 1000);
-  CHECK(few.full[0].count == 3 * 2 * n * n);
-  CHECK(few.coarse_triangles() > 300);
-  CHECK(few.coarse_triangles() < 3000);
-  double area = 0.0;
-  for (const RasterDraw& draw : few.coarse) {
-    for (std::uint32_t i = draw.first; i < draw.first + draw.count; i += 3) {
-      const auto p = [&](std::uint32_t k) { return few.vertices[few.indices[i + k]].position; };
-      area += 0.5 * glm::cross(p(1) - p(0), p(2) - p(0)).z;  // seen from above, signed
-    }
-  }
-  CHECK(area > 0.85);  // of the square: no holes, nothing twice
-  CHECK(area < 1.001);
-
-  // The same once more as another mesh, and one of no area: each keeps to its own vertices.
-  scene.geometry.meshes.push_back(grid);
-  for (vec3& p : grid.positions) p = vec3(p.x, 0.0f, 0.0f);
-  scene.geometry.meshes.push_back(grid);
-  scene.mesh_materials = {{0, {}}, {1, {}}, {2, {}}};
-  const RasterGeometry three = raster_geometry(scene, 1000);
-  REQUIRE(three.coarse.size() == 3);
-  CHECK(three.coarse[1].count == three.coarse[0].count);
-  CHECK(three.coarse[2].count == 0);
-  int foreign = 0;
-  for (const RasterDraw& draw : three.coarse) {
-    for (std::uint32_t i = draw.first; i < draw.first + draw.count; ++i) {
-      foreign += three.indices[i] / ((n + 1) * (n + 1)) != draw.material;
-    }
-  }
-  CHECK(foreign == 0);
 }
