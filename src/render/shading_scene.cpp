@@ -43,26 +43,29 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
 
 void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes& out) const {
   const Geometry& geometry = scene.geometry;
-  out.spheres = 0;
-  out.varying = 0;
+  // In values of their own, since what is stored in `out` might be what they are read from, for all a compiler knows.
+  const auto miss = static_cast<std::uint32_t>(materials.size() - 1);
+  const std::uint32_t sphere_geometry = needs.spheres ? geometry.sphere_geometry() : HitBatch::kNoHit;
+  const bool shading_normals = needs.shading_normals;
+  std::uint32_t spheres = 0, varying = 0;
   for (int i = 0; i < count; ++i) {
     const std::uint32_t id = hits.geometry[i];
     if (id == HitBatch::kNoHit) {
-      out.material[i] = static_cast<std::uint32_t>(materials.size() - 1);
+      out.material[i] = miss;
       continue;
     }
     const std::uint32_t primitive = hits.primitive[i];
     std::uint32_t material_id;
-    if (needs.spheres && geometry.is_sphere(id)) {
+    if (id == sphere_geometry) {
       const Sphere& sphere = geometry.spheres[primitive];
       const float* const row = &sphere.center.x;
       static_assert(sizeof(Sphere) == 4 * sizeof(float));
       for (int k = 0; k < 4; ++k) out.corner[k][i] = row[k];
-      if (needs.shading_normals) {
+      if (shading_normals) {
         for (int k = 0; k < 3; ++k) out.normal_sum[k][i] = 0.0f;
       }
       material_id = scene.sphere_materials[primitive];
-      out.spheres |= 1u << i;
+      spheres |= 1u << i;
     } else {
       const TriangleMesh& mesh = geometry.meshes[id];
       const uvec3& corners = mesh.triangles[primitive];
@@ -74,15 +77,17 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
         out.corner[3 + k][i] = p1[k];
         out.corner[6 + k][i] = p2[k];
       }
-      if (needs.shading_normals) {
+      if (shading_normals) {
         const vec3 sum = mesh.normals.empty() ? vec3(0.0f) : interpolated_normal(mesh, primitive, hits.u[i], hits.v[i]);
         for (int k = 0; k < 3; ++k) out.normal_sum[k][i] = (&sum.x)[k];
       }
       material_id = scene.mesh_materials[id].of(primitive);
     }
     out.material[i] = material_id;
-    out.varying |= static_cast<std::uint32_t>(materials[material_id].varies) << i;
+    varying |= static_cast<std::uint32_t>(materials[material_id].varies) << i;
   }
+  out.spheres = spheres;
+  out.varying = varying;
 }
 
 void ShadingScene::look_up_colors(const HitLanes& hits, const VectorLanes& position, const VectorLanes& ng,

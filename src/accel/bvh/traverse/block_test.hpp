@@ -93,7 +93,7 @@ class BlockTest<Intersector::watertight> {
 
   /// The lanes whose edge functions do not differ in sign, for decide_one().
   template <class Block>
-  std::uint32_t find_inside(const Block& block, Found& out) const {
+  [[gnu::always_inline]] std::uint32_t find_inside(const Block& block, Found& out) const {
     constexpr int vectors = Corners<Block>::vectors;
     F x[vectors], y[vectors], z[vectors];
     EdgeFunctions<F> edges;
