@@ -1,6 +1,7 @@
 // What a scene file says is what the scene holds.
 #include "catch.hpp"
 #include "io_files.hpp"
+#include "raylab/core/text.hpp"
 #include "raylab/image/image_file.hpp"
 
 using namespace raylab;
@@ -217,6 +218,36 @@ translate = [10, 20, 30]
   CHECK(mesh.normals.at(0) == vec3(0.0f, 0.0f, -1.0f));
   CHECK(mesh.normals.at(1) == vec3(0.0f, 1.0f, 0.0f));
   CHECK(mesh.normals.at(2) == vec3(1.0f, 0.0f, 0.0f));
+}
+
+TEST_CASE("a scene far away is near with its origin there, to the bit", "[unit]") {
+  // Coordinates of which a float at 1e7 keeps nothing.
+  const auto scene_at = [](const std::string& origin, int x, int y, int z) {
+    const auto at = [&](double dx, double dy, double dz) {
+      return format("[%.17g, %.17g, %.17g]", x + dx, y + dy, z + dz);
+    };
+    return origin + kWhite + "[camera]\nlook_from = " + at(0.25, 1.5, -0.125) + "\nlook_at = " + at(0.0, 0.0, 1.0) +
+           "\n[[view]]\nname = \"aside\"\nlook_from = " + at(3.0, 0.0625, 0.0) +
+           "\n[[sphere]]\ncenter = " + at(0.5, 0.25, 0.125) +
+           "\nradius = 0.25\nmaterial = \"white\"\n[[mesh]]\nobj = \"mesh.obj\"\n" +
+           "material = \"white\"\nrotate_y = 90\ntranslate = " + at(0.375, 0.0, 0.0) +
+           "\n[[mesh]]\nobj = \"mesh.obj\"\nmaterial = \"white\"\ntransform = [{ translate = " + at(0.0, 0.5, 0.0) +
+           " }]\n";
+  };
+  InputFolder folder;
+  folder.write("mesh.obj", kTriangle);
+  const LoadedScene near = folder.load(scene_at("", 0, 0, 0));
+  const LoadedScene far =
+      folder.load(scene_at("origin = [10000000, -20000000.0, 3e7]\n", 10000000, -20000000, 30000000));
+  CHECK(far.camera.look_from == near.camera.look_from);
+  CHECK(far.camera.look_at == near.camera.look_at);
+  CHECK(far.views.at(0).camera.look_from == near.views.at(0).camera.look_from);
+  CHECK(far.views.at(0).camera.look_at == near.views.at(0).camera.look_at);
+  CHECK(far.scene.geometry.spheres.at(0).center == near.scene.geometry.spheres.at(0).center);
+  REQUIRE(far.scene.geometry.meshes.size() == 2);
+  for (std::size_t m = 0; m < 2; ++m) {
+    CHECK(far.scene.geometry.meshes[m].positions == near.scene.geometry.meshes[m].positions);
+  }
 }
 
 TEST_CASE("a turn by any angle keeps lengths", "[unit]") {

@@ -54,7 +54,9 @@ std::size_t line_end(std::string_view text, std::size_t at) {
 }
 
 /// Scene files are read as double and then rounded to float, which for a few shortest floats is another float.
-std::string exact_text(float value) {
+/// Positions are relative to the scene's origin, and written as they are in the world.
+std::string exact_text(float value, double origin) {
+  if (origin != 0.0) return number_text(static_cast<double>(value) + origin);
   std::string text = number_text(value);
   double read = 0.0;
   std::from_chars(text.data(), text.data() + text.size(), read);
@@ -65,20 +67,22 @@ struct CameraKey {
   const char* name;
   std::vector<float> now;  ///< as the file says, or by default
   std::vector<float> next;
+  dvec3 origin = dvec3(0.0);  ///< of a position
 
+  std::string number(std::size_t i) const { return exact_text(next[i], origin[static_cast<int>(i)]); }
   std::string value() const {
-    if (next.size() == 1) return exact_text(next[0]);
+    if (next.size() == 1) return number(0);
     std::string text = "[";
-    for (const float number : next) text.append(text.size() > 1 ? ", " : "").append(exact_text(number));
+    for (std::size_t i = 0; i < next.size(); ++i) text.append(i > 0 ? ", " : "").append(number(i));
     return text.append("]");
   }
 };
 
 std::vector<float> numbers_of(const vec3& v) { return {v.x, v.y, v.z}; }
 
-std::vector<CameraKey> camera_keys(const CameraSettings& now, const CameraSettings& next) {
-  return {{"look_from", numbers_of(now.look_from), numbers_of(next.look_from)},
-          {"look_at", numbers_of(now.look_at), numbers_of(next.look_at)},
+std::vector<CameraKey> camera_keys(const CameraSettings& now, const CameraSettings& next, const dvec3& origin) {
+  return {{"look_from", numbers_of(now.look_from), numbers_of(next.look_from), origin},
+          {"look_at", numbers_of(now.look_at), numbers_of(next.look_at), origin},
           {"up", numbers_of(now.up), numbers_of(next.up)},
           {"vfov", {now.vfov}, {next.vfov}},
           {"defocus_angle", {now.defocus_angle}, {next.defocus_angle}},
@@ -112,7 +116,7 @@ Edit addition(std::string_view text, const TomlValue* table, const std::vector<C
 }
 
 bool same(const CameraSettings& a, const CameraSettings& b) {
-  for (const CameraKey& key : camera_keys(a, b)) {
+  for (const CameraKey& key : camera_keys(a, b, dvec3(0.0))) {
     if (key.now != key.next) return false;
   }
   return true;
@@ -121,11 +125,12 @@ bool same(const CameraSettings& a, const CameraSettings& b) {
 }  // namespace
 
 std::string with_camera(std::string_view text, const std::string& file, const CameraSettings& camera) {
-  const TomlValue root = parse_toml(text, file);
+  TomlValue root = parse_toml(text, file);
+  const dvec3 origin = move_to_origin(root);
   const TomlValue* table = root.find("camera");
   std::vector<Edit> edits;
   std::vector<CameraKey> missing;
-  for (const CameraKey& key : camera_keys(read_camera(table), camera)) {
+  for (const CameraKey& key : camera_keys(read_camera(table), camera, origin)) {
     if (key.now == key.next) continue;
     const TomlValue* value = table == nullptr ? nullptr : table->find(key.name);
     if (value == nullptr) {
@@ -135,7 +140,7 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
     for (std::size_t i = 0; i < key.next.size(); ++i) {
       if (key.now[i] == key.next[i]) continue;
       const std::size_t at = offset_of(text, value->is_array() ? value->items[i].location : value->location);
-      edits.push_back({at, number_end(text, at) - at, exact_text(key.next[i])});
+      edits.push_back({at, number_end(text, at) - at, key.number(i)});
     }
   }
   if (!missing.empty()) edits.push_back(addition(text, table, missing));
@@ -150,7 +155,8 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
                 "this way of writing a camera cannot be changed in place");
   };
   try {
-    const TomlValue read_back = parse_toml(changed, file);
+    TomlValue read_back = parse_toml(changed, file);
+    move_to_origin(read_back);
     if (!same(read_camera(read_back.find("camera")), camera)) fail();
   } catch (const Error& e) {
     if (e.kind() == ErrorKind::failure) throw;
@@ -160,7 +166,8 @@ std::string with_camera(std::string_view text, const std::string& file, const Ca
 }
 
 std::string with_view(std::string_view text, const std::string& file, const CameraSettings& camera, std::string& name) {
-  const TomlValue root = parse_toml(text, file);
+  TomlValue root = parse_toml(text, file);
+  const dvec3 origin = move_to_origin(root);
   const std::vector<NamedView> views =
       read_views(tables_of(root.find("view"), "view"), read_camera(root.find("camera")));
   const auto taken = [&](const NamedView& view) { return view.name == name; };
@@ -171,7 +178,7 @@ std::string with_view(std::string_view text, const std::string& file, const Came
   std::string changed(text);
   if (!changed.empty() && changed.back() != '\n') changed += newline;
   changed += newline + "[[view]]" + newline + "name = \"" + name + "\"" + newline;
-  for (const CameraKey& key : camera_keys(camera, camera)) {
+  for (const CameraKey& key : camera_keys(camera, camera, origin)) {
     changed += std::string(key.name) + " = " + key.value() + newline;
   }
   // An array written in one line, view = [...], takes no more tables.

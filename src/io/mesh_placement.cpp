@@ -66,10 +66,9 @@ MeshPlacement::Step MeshPlacement::read_step(const TomlValue& value, const std::
     if (direction == vec3(0.0f)) axis.fail(turn.path_of("axis"), "an axis that is not [0, 0, 0]");
     step.linear = rotation(glm::normalize(dvec3(direction)), degrees);
   }
-  vec3 offset(0.0f);
-  if (reader.vector("translate", offset, kAnyNumber)) {
+  if (const TomlValue* translate = reader.find("translate")) {
     ++found;
-    step.offset = dvec3(offset);
+    step.offset = dvec3_of(*translate, reader.path_of("translate"));
   }
   reader.finish();
   if (found != 1) {
@@ -78,18 +77,17 @@ MeshPlacement::Step MeshPlacement::read_step(const TomlValue& value, const std::
   return step;
 }
 
-MeshPlacement MeshPlacement::read(TableReader& reader) {
+MeshPlacement MeshPlacement::read(TableReader& reader, const dvec3& origin) {
   MeshPlacement placement;
   if (const TomlValue* up = reader.find("up")) placement.steps_.push_back({up_axis(*up, reader.path_of("up"))});
   const TomlValue* transform = reader.find("transform");
   const TomlValue* scale = reader.find("scale");
   float rotate_y = 0.0f;
-  vec3 translate(0.0f);
   const bool rotates = reader.number("rotate_y", rotate_y, kAnyNumber);
-  const bool moves = reader.vector("translate", translate, kAnyNumber);
+  const TomlValue* translate = reader.find("translate");
   if (transform != nullptr) {
     const std::string path = reader.path_of("transform");
-    if (scale != nullptr || rotates || moves) {
+    if (scale != nullptr || rotates || translate != nullptr) {
       transform->fail_here(path + ": expected no scale, rotate_y or translate beside it: they are steps of it");
     }
     if (!transform->is_array()) transform->fail(path, "steps in order, such as [{ scale = 2 }, { rotate_x = 90 }]");
@@ -99,7 +97,10 @@ MeshPlacement MeshPlacement::read(TableReader& reader) {
   }
   if (scale != nullptr) placement.steps_.push_back({scaling(scale_of(*scale, reader.path_of("scale")))});
   if (rotates) placement.steps_.push_back({rotation({0.0, 1.0, 0.0}, rotate_y)});
-  if (moves) placement.steps_.push_back({glm::dmat3(1.0), dvec3(translate)});
+  if (translate != nullptr) {
+    placement.steps_.push_back({glm::dmat3(1.0), dvec3_of(*translate, reader.path_of("translate"))});
+  }
+  placement.steps_.push_back({glm::dmat3(1.0), -origin});
   std::erase_if(placement.steps_,
                 [](const Step& step) { return step.linear == glm::dmat3(1.0) && step.offset == dvec3(0.0); });
   float degrees = 0.0f;

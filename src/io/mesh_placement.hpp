@@ -11,8 +11,9 @@ namespace raylab {
 /// What a [[mesh]] table does to the mesh of its file.
 class MeshPlacement {
  public:
-  /// Reads up, scale, rotate_y and translate, or in their place transform, and smooth and flip_v. Throws Error.
-  static MeshPlacement read(TableReader& reader);
+  /// Reads up, scale, rotate_y and translate, or in their place transform, and smooth and flip_v. The last step makes
+  /// positions relative to `origin`. Throws Error.
+  static MeshPlacement read(TableReader& reader, const dvec3& origin);
 
   /// Steps in turn, in double, then rounds once. A mesh that is mirrored keeps its outside. Throws Error at `table`
   /// when a vertex ends too far away.

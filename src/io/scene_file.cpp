@@ -14,9 +14,11 @@ namespace raylab {
 namespace {
 
 /// Everything is checked before the first mesh is loaded, as that may take long.
-void read_scene(const TomlValue& root, const std::filesystem::path& file, const std::filesystem::path& folder,
+void read_scene(TomlValue& root, const std::filesystem::path& file, const std::filesystem::path& folder,
                 MaterialLibrary& library, MeshFiles& models, LoadedScene& loaded) {
+  const dvec3 origin = move_to_origin(root);
   TableReader reader(root, "");
+  reader.find("origin");
   const TomlValue* camera = reader.find("camera");
   const TomlValue* render = reader.find("render");
   const TomlValue* background = reader.find("background");
@@ -34,7 +36,7 @@ void read_scene(const TomlValue& root, const std::filesystem::path& file, const 
   scene.environment = read_background(background, folder, library.files);
   SceneMaterials materials(material, folder, library);
   read_spheres(sphere_tables, materials, scene);
-  const std::vector<MeshEntry> meshes = read_meshes(mesh_tables, folder, materials, models);
+  const std::vector<MeshEntry> meshes = read_meshes(mesh_tables, folder, origin, materials, models);
   materials.check_all_used();
   for (const MeshEntry& entry : meshes) load_mesh(entry, models, scene);
   if (meshes.empty() && scene.geometry.spheres.empty()) {

@@ -41,7 +41,7 @@ void read_spheres(std::span<const TomlValue> tables, SceneMaterials& materials, 
 }
 
 std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std::filesystem::path& folder,
-                                   SceneMaterials& materials, MeshFiles& files) {
+                                   const dvec3& origin, SceneMaterials& materials, MeshFiles& files) {
   std::vector<MeshEntry> entries;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     TableReader reader(tables[i], "mesh." + std::to_string(i));
@@ -50,7 +50,7 @@ std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std:
     for (const char* key : {"file", "obj", "material", "mtl"}) reader.find(key);
     const TomlValue* material = tables[i].find("material");
     const TomlValue* mtl = tables[i].find("mtl");
-    entry.placement = MeshPlacement::read(reader);
+    entry.placement = MeshPlacement::read(reader, origin);
     reader.finish();
     if (material != nullptr && mtl != nullptr) {
       mtl->fail_here(reader.path_of("mtl") + " has no effect: material replaces what the MTL files say");

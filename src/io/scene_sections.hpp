@@ -17,6 +17,10 @@
 
 namespace raylab {
 
+/// Moves the camera, the views and the spheres of a scene file by the negative of its `origin`, in double, and returns
+/// that: [0, 0, 0] without the key. What is no position yet is left for its reader to refuse.
+dvec3 move_to_origin(TomlValue& root);
+
 /// [camera]: every key optional. Refuses look_from = look_at and a view along up.
 CameraSettings read_camera(const TomlValue* table);
 
@@ -63,9 +67,10 @@ struct MeshEntry {
   std::optional<std::uint32_t> material;  ///< absent: materials from the model
   MeshPlacement placement;
 };
-/// Every entry's file is known to be there and to be a model, and is expected of `files`.
+/// Every entry's file is known to be there and to be a model, and is expected of `files`. Meshes end relative to
+/// `origin`.
 std::vector<MeshEntry> read_meshes(std::span<const TomlValue> tables, const std::filesystem::path& folder,
-                                   SceneMaterials& materials, MeshFiles& files);
+                                   const dvec3& origin, SceneMaterials& materials, MeshFiles& files);
 
 /// Reads the model of an entry, moves it into place and appends it to the scene.
 void load_mesh(const MeshEntry& entry, MeshFiles& files, Scene& scene);

@@ -45,7 +45,40 @@ void read_camera_keys(TableReader& reader, CameraSettings& camera) {
   reader.number("focus_distance", camera.focus_distance, kPositive);
 }
 
+/// Subtracts where the table has a position under this key.
+void move_position(TomlValue& table, std::string_view key, const dvec3& origin) {
+  TomlValue* value = table.is_table() ? table.find(key) : nullptr;
+  if (value == nullptr || !value->is_array() || value->items.size() != 3) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    TomlValue& number = value->items[static_cast<std::size_t>(axis)];
+    if (number.kind == TomlValue::Kind::integer) {
+      number.kind = TomlValue::Kind::real;
+      number.real = static_cast<double>(number.integer);
+    }
+    if (number.kind == TomlValue::Kind::real) number.real -= origin[axis];
+  }
+}
+
 }  // namespace
+
+dvec3 move_to_origin(TomlValue& root) {
+  const TomlValue* value = root.find("origin");
+  if (value == nullptr) return dvec3(0.0);
+  const dvec3 origin = dvec3_of(*value, "origin");
+  const auto move_each = [&](std::string_view tables, std::initializer_list<std::string_view> keys) {
+    TomlValue* array = root.find(tables);
+    if (array == nullptr || !array->is_array()) return;
+    for (TomlValue& table : array->items) {
+      for (const std::string_view key : keys) move_position(table, key, origin);
+    }
+  };
+  if (TomlValue* camera = root.find("camera")) {
+    for (const char* key : {"look_from", "look_at"}) move_position(*camera, key, origin);
+  }
+  move_each("view", {"look_from", "look_at"});
+  move_each("sphere", {"center"});
+  return origin;
+}
 
 CameraSettings read_camera(const TomlValue* table) {
   CameraSettings camera;

@@ -30,6 +30,15 @@ vec3 vec3_of(const TomlValue& value, const std::string& path, const Numbers& num
   return v;
 }
 
+dvec3 dvec3_of(const TomlValue& value, const std::string& path) {
+  vec3_of(value, path, kAnyNumber);  // refuses what is none
+  const auto component = [&](std::size_t axis) {
+    const TomlValue& number = value.items[axis];
+    return number.kind == Kind::integer ? static_cast<double>(number.integer) : number.real;
+  };
+  return {component(0), component(1), component(2)};
+}
+
 const std::string& string_of(const TomlValue& value, const std::string& path) {
   if (value.kind != Kind::string || value.text.empty()) value.fail(path, "a text in quotes");
   return value.text;

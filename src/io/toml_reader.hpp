@@ -25,6 +25,9 @@ float number_of(const TomlValue& value, const std::string& path, const Numbers& 
 /// Three numbers, each accepted by `numbers`.
 vec3 vec3_of(const TomlValue& value, const std::string& path, const Numbers& numbers);
 
+/// Three numbers of double precision, which fit floats too.
+dvec3 dvec3_of(const TomlValue& value, const std::string& path);
+
 /// Reads one table key by key. Each key asked for, present or not, becomes a known key; finish() refuses all
 /// others. Getters leave `out` as it is when the key is absent, and return whether it is there.
 class TableReader {

@@ -130,3 +130,30 @@ TEST_CASE("a scene file changed meanwhile is left alone until asked again", "[un
   CHECK(read_text(file) == with_camera(edited, "", camera));
   CHECK(folder.entries() == 1);
 }
+
+TEST_CASE("a camera is written where it stands in the world, though the scene's origin is there", "[unit][preview]") {
+  const std::string text =
+      "origin = [10000000, 0, -3e7]\n[camera]\nlook_from = [10000000.125, 0, -3e7]\nlook_at = "
+      "[10000001, 0, -3e7]\n";
+  CameraSettings camera = camera_of(text);
+  REQUIRE(camera.look_from == vec3(0.125f, 0.0f, 0.0f));
+  CHECK(with_camera(text, "far.toml", camera) == text);
+  camera.look_from = vec3(0.0625f, 0.1f, -0.3f);
+  const std::string changed = with_camera(text, "far.toml", camera);
+  CHECK(changed.find("look_from = [10000000.0625, 0.1, -30000000.3") != std::string::npos);
+  CHECK(camera_of(changed).look_from == camera.look_from);
+  std::string name;
+  const std::string with_one = with_view(text, "far.toml", camera, name);
+  TempFolder folder;
+  write_text(folder / "scene.toml", with_one);
+  CHECK(load_scene(folder / "scene.toml").views.at(0).camera.look_from == camera.look_from);
+}
+
+TEST_CASE("a scene file that is to be new is not written over one that is there", "[unit][preview]") {
+  TempFolder folder;
+  write_text(folder / "scene.toml", "somebody's work");
+  CameraFile file(folder / "scene.toml", "[camera]\nlook_at = [0, 0, 1]\n");
+  expect_error(ErrorKind::output, (folder / "scene.toml").string(), {"is there already"},
+               [&] { file.write(some_camera()); });
+  CHECK(read_text(folder / "scene.toml") == "somebody's work");
+}
