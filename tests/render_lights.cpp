@@ -82,7 +82,7 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
   double worst_pdf = 0.0, worst_radiance = 0.0;
   for (std::uint64_t n = 0; n < static_cast<std::uint64_t>(count); ++n) {
     const Draw draw = random_draw(n);
-    const LightSample s = lights.sample(p, draw.select, draw.u);
+    const LightSample s = lights.sample(p, draw.select, draw.u.y);
     if (!(s.pdf > 0.0f)) {
       ++useless;
       continue;
@@ -162,7 +162,7 @@ TEST_CASE("a distant sphere light keeps its small cone of directions", "[unit][l
   int bad = 0;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const Draw draw = random_draw(i);
-    const LightSample s = lights.sample(vec3(0.0f), draw.select, draw.u);
+    const LightSample s = lights.sample(vec3(0.0f), draw.select, draw.u.y);
     bad += std::abs(s.pdf * kPiD * 1e-10 - 1.0) > 1e-3;
     farthest = std::max(farthest, static_cast<double>(std::hypot(s.position.x, s.position.y)));
   }
@@ -182,7 +182,7 @@ TEST_CASE("a sphere light gives what its form factor says, however near it is", 
     double sum = 0.0;
     for (int i = 0; i < kSide * kSide; ++i) {
       const vec2 u((static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide);
-      const LightSample s = lights.sample(p, 0, u);
+      const LightSample s = lights.sample(p, static_cast<std::uint64_t>(u.x * 0x1p32f) << 32, u.y);
       REQUIRE(s.pdf > 0.0f);
       REQUIRE((s.end >= 0.0f && s.end < 1.0f));
       sum += std::max(0.0f, -s.wi.z) / s.pdf;
@@ -209,7 +209,7 @@ TEST_CASE("no lamp shadows itself, however small and far away it is", "[stabilit
         for (std::uint64_t k = 3; k < 30; ++k) {
           const vec3 p = 2.0f * point(k);
           const Draw draw = random_draw(100 * i + 90 + k % 10);
-          const LightSample s = lights.sample(p, draw.select, draw.u);
+          const LightSample s = lights.sample(p, draw.select, draw.u.y);
           if (!(s.pdf > 0.0f)) continue;
           ++sampled;
           shadowed += accelerator->occluded({p, s.position - p, 0.0f, s.end});
@@ -271,7 +271,7 @@ TEST_CASE("lights are chosen in proportion to their power", "[statistical][light
   int above = 0;
   for (std::uint64_t i = 0; i < count; ++i) {
     const Draw draw = random_draw(i);
-    above += lights.sample(vec3(0.0f), draw.select, draw.u).wi.y > 0.0f;
+    above += lights.sample(vec3(0.0f), draw.select, draw.u.y).wi.y > 0.0f;
   }
   const double p = quad / (quad + sphere);
   CHECK(std::abs(above - p * count) < kLimitZ * std::sqrt(p * (1.0 - p) * count));
@@ -283,8 +283,8 @@ TEST_CASE("a light in whose plane the point lies gives it nothing", "[unit][ligh
   const Lights lights(scene, scene_needs(scene));
   for (std::uint64_t i = 0; i < 100; ++i) {
     const Draw draw = random_draw(i);
-    CHECK_FALSE(lights.sample(vec3(0, 0, 0.5f), draw.select, draw.u).pdf > 0.0f);
-    const LightSample on_it = lights.sample(vec3(1.5f, 0, 0.5f), draw.select, draw.u);
+    CHECK_FALSE(lights.sample(vec3(0, 0, 0.5f), draw.select, draw.u.y).pdf > 0.0f);
+    const LightSample on_it = lights.sample(vec3(1.5f, 0, 0.5f), draw.select, draw.u.y);
     CHECK_FALSE(on_it.pdf > 0.0f);
   }
 }
@@ -301,7 +301,7 @@ TEST_CASE("lights of any size are chosen", "[unit][lights]") {
     int above = 0, bad = 0;
     for (std::uint64_t i = 0; i < 2000; ++i) {
       const Draw draw = random_draw(i);
-      const LightSample s = lights.sample(vec3(0.0f), draw.select, draw.u);
+      const LightSample s = lights.sample(vec3(0.0f), draw.select, draw.u.y);
       bad += !(s.pdf > 0.0f && s.pdf < kInfinity);
       above += s.wi.y > 0.0f;
     }

@@ -15,6 +15,14 @@ struct EmittingTriangle {
   F pdf_area;  ///< choice included
 };
 
+constexpr float kBelowOne = 0x1.fffffep-1f;
+
+/// Where a number lies among those from `first` on that choose an emitter of probability 1 / scale, in [0, 1).
+template <class F>
+F left_of_choice(const F& number, const F& first, const F& scale) {
+  return min((number - first) * scale, F(kBelowOne));
+}
+
 /// Where a shadow ray ends, as a share of the way to a point of an emitter with unit normal ng, where inv_facing is
 /// 1 / |dot(way, ng)|: so far above the emitter's plane that it cannot meet it, which is the point's offset and the
 /// rounding of the way. What covers an emitter from farther off casts its shadow; a share of the way, such as 0.999,

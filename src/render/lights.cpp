@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/frame.hpp"
+#include "core/low_discrepancy.hpp"
 #include "core/warp.hpp"
 #include "light_lanes.hpp"
 #include "raylab/scene/surface_point.hpp"
@@ -108,10 +109,13 @@ void Lights::fill_table() {
   if (count() > LightTable::kMost || count() != triangles_.size() || std::ranges::any_of(triangles_, varies)) return;
   table_ = {};
   table_.count = static_cast<int>(count());
-  for (std::size_t i = 1; i < count(); ++i) {
+  for (std::size_t i = 0; i < count(); ++i) {
     const std::uint64_t rounded = (first_[i] + (1ull << 39)) >> 40;
     first_[i] = rounded << 40;
-    table_.cdf[i - 1] = static_cast<float>(rounded) * 0x1p-24f;
+    table_.first[i] = static_cast<float>(rounded) * 0x1p-24f;
+  }
+  for (std::size_t i = 0; i < count(); ++i) {
+    table_.scale[i] = 1.0f / ((i + 1 < count() ? table_.first[i + 1] : 1.0f) - table_.first[i]);
   }
   static_assert(offsetof(TriangleEmitter, radiance) == (LightTable::kColumns - 3) * sizeof(float));
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
@@ -137,12 +141,22 @@ void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::ve
   powers.push_back(power);
 }
 
-std::size_t Lights::choose(std::uint64_t select) const {
-  return static_cast<std::size_t>(std::upper_bound(first_.begin() + 1, first_.end(), select) - first_.begin() - 1);
+Lights::Choice Lights::choose(std::uint64_t select) const {
+  const auto i =
+      static_cast<std::size_t>(std::upper_bound(first_.begin() + 1, first_.end(), select) - first_.begin() - 1);
+  // As the lanes do.
+  if (table_.count != 0) {
+    const float number = bits_to_unit(static_cast<std::uint32_t>(select >> 32));
+    return {i, left_of_choice(number, table_.first[i], table_.scale[i])};
+  }
+  const std::uint64_t width = (i + 1 < first_.size() ? first_[i + 1] : 0) - first_[i];  // modulo 2^64
+  const double share = static_cast<double>(select - first_[i]) / (width == 0 ? 0x1p64 : static_cast<double>(width));
+  return {i, std::min(static_cast<float>(share), kBelowOne)};
 }
 
-LightSample Lights::sample(const vec3& p, std::uint64_t select, const vec2& u) const {
-  return sample_emitter(choose(select), p, u);
+LightSample Lights::sample(const vec3& p, std::uint64_t select, float v) const {
+  const Choice chosen = choose(select);
+  return sample_emitter(chosen.emitter, p, {chosen.u, v});
 }
 
 LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const {
@@ -161,18 +175,19 @@ LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2
 }
 
 void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
-                    const float* u, const float* v, const float* const (&p)[3], LightLanes& out) const {
+                    const float* v, const float* const (&p)[3], LightLanes& out) const {
   out.triangles = 0;
   out.infinite = 0;
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    const std::size_t chosen = choose(static_cast<std::uint64_t>(select_high[i]) << 32 | select_low[i]);
-    if (chosen < triangles_.size() && !triangles_[chosen].varies) {
-      out.emitter[i] = static_cast<std::uint32_t>(chosen);
+    const Choice chosen = choose(static_cast<std::uint64_t>(select_high[i]) << 32 | select_low[i]);
+    if (chosen.emitter < triangles_.size() && !triangles_[chosen.emitter].varies) {
+      out.emitter[i] = static_cast<std::uint32_t>(chosen.emitter);
+      out.u[i] = chosen.u;
       out.triangles |= 1u << i;
       continue;
     }
-    const LightSample light = sample_emitter(chosen, {p[0][i], p[1][i], p[2][i]}, {u[i], v[i]});
+    const LightSample light = sample_emitter(chosen.emitter, {p[0][i], p[1][i], p[2][i]}, {chosen.u, v[i]});
     for (int k = 0; k < 3; ++k) {
       out.radiance[k][i] = (&light.radiance.x)[k];
       out.wi[k][i] = (&light.wi.x)[k];

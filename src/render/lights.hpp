@@ -24,6 +24,7 @@ struct LightSample {
 struct LightLanes {
   static constexpr int kMost = 16;
   alignas(64) std::uint32_t emitter[kMost];  ///< index into Lights::emitting_triangles()
+  alignas(64) float u[kMost];                ///< with v it gives the point of that triangle
   alignas(64) float radiance[3][kMost];
   alignas(64) float wi[3][kMost];
   alignas(64) float position[3][kMost];
@@ -50,7 +51,8 @@ struct LightTable {
   static constexpr int kMost = 16;
   static constexpr int kColumns = 17;  ///< TriangleEmitter as far as the radiance
   int count = 0;                       ///< 0: the scene is not of this kind
-  alignas(64) float cdf[kMost];        ///< [i]: least number that chooses an emitter after i
+  alignas(64) float first[kMost];      ///< [i]: least number that chooses emitter i
+  alignas(64) float scale[kMost];      ///< 1 / probability
   alignas(64) float columns[kColumns][kMost];
 };
 
@@ -63,15 +65,16 @@ class Lights {
   bool empty() const { return first_.empty(); }
   std::size_t count() const { return first_.size(); }
 
-  /// Chooses an emitter by `select`, a number in units of 2^-64, and a point of it by `u`, as seen from p. With
-  /// fewer bits the weak emitters of many would be chosen with probabilities that have little to do with their
-  /// densities.
-  LightSample sample(const vec3& p, std::uint64_t select, const vec2& u) const;
+  /// A point of an emitter as seen from p. `select`, a number in units of 2^-64, chooses the emitter, and where it lies
+  /// among those that choose it, together with v, the point: so points are as well spread over all emitters as the
+  /// numbers are over the unit square. With fewer bits the weak emitters of many would be chosen with probabilities
+  /// that have little to do with their densities.
+  LightSample sample(const vec3& p, std::uint64_t select, float v) const;
 
   /// The same for the lanes of a mask, by the upper and the lower halves of numbers, as seen from positions given
   /// as arrays of x, y and z.
-  void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low, const float* u,
-              const float* v, const float* const (&p)[3], LightLanes& out) const;
+  void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low, const float* v,
+              const float* const (&p)[3], LightLanes& out) const;
 
   /// Density per steradian at p with which sample() gives the point `hit_position` of an emitter that a ray of unit
   /// direction wi has hit: a triangle with unit normal ng and the material's mean luminance, or a sphere.
@@ -94,7 +97,12 @@ class Lights {
   void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
   void fill_choice(const std::vector<double>& powers);
   void fill_table();
-  std::size_t choose(std::uint64_t select) const;
+  /// An emitter, and what is left of the number that chose it, in [0, 1).
+  struct Choice {
+    std::size_t emitter;
+    float u;
+  };
+  Choice choose(std::uint64_t select) const;
   LightSample sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const;
   LightSample sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
   LightSample sample_sphere(std::uint32_t sphere, const vec3& p, const vec2& u) const;

@@ -13,7 +13,8 @@
 namespace raylab {
 namespace {
 
-/// Draws of one path segment, from Integrator::kFirstDimension on.
+/// Draws of one path segment, from Integrator::kFirstDimension on. kLightChoice is the lower half of the number whose
+/// upper half is kLightPoint's first: see Lights::sample().
 enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
 
 /// First dimension of a segment's draws; the camera ray is segment 1.

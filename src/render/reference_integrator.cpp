@@ -30,10 +30,9 @@ Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit,
 /// Light from one point of one light that reaches the vertex and goes on along the path.
 Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathState<float>& path, const Sample& sampler,
                  std::uint32_t draw, RayCounts& counts) {
-  const Vec2<float> u = sampler.get2(draw + kLightPoint);
-  const auto choice = sampler.bits2(draw + kLightChoice);
-  const std::uint64_t select = static_cast<std::uint64_t>(choice.first) << 32 | choice.second;
-  const LightSample light = s.lights.sample(v.point.position, select, {u.x, u.y});
+  const auto bits = sampler.bits2(draw + kLightPoint);
+  const std::uint64_t select = static_cast<std::uint64_t>(bits.first) << 32 | sampler.bits2(draw + kLightChoice).first;
+  const LightSample light = s.lights.sample(v.point.position, select, bits_to_unit(bits.second));
   const ShadowRay<float> ray = shadow_ray<float>(
       v, path, {light.wi, light.position, light.radiance, light.end, light.pdf, light.infinite}, s.settings.ray_offset);
   if (!ray.usable) return Rgb(0.0f);

@@ -274,32 +274,32 @@ class Wavefront {
 
   SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t draw,
                                    const WideVec3& position) {
-    const WideVec2 u = sampler.get2(draw + kLightPoint);
+    const auto bits = sampler.bits2(draw + kLightPoint);
+    const Wide v = bits_to_unit(bits.second);
     const LightTable& few = scene_.light_table;
     if (few.count != 0) {
-      const Wide choice = sampler.get1(draw + kLightChoice);
+      const Wide number = bits_to_unit(bits.first);
       WideUInt chosen(0u);
-      for (int i = 0; i < few.count - 1; ++i) chosen += select(Wide(few.cdf[i]) <= choice, WideUInt(1u), WideUInt(0u));
-      return sample_triangles([&](int k) { return look_up16(few.columns[k], chosen); }, position, u);
+      for (int i = 1; i < few.count; ++i) chosen += select(Wide(few.first[i]) <= number, WideUInt(1u), WideUInt(0u));
+      const Wide u = left_of_choice(number, look_up16(few.first, chosen), look_up16(few.scale, chosen));
+      return sample_triangles([&](int k) { return look_up16(few.columns[k], chosen); }, position, {u, v});
     }
-    alignas(64) std::uint32_t choice_high[kMostLanes], choice_low[kMostLanes];
-    alignas(64) float u_x[kMostLanes], u_y[kMostLanes];
+    alignas(64) std::uint32_t select_high[kMostLanes], select_low[kMostLanes];
+    alignas(64) float v_lanes[kMostLanes];
     VectorLanes p;
-    const auto choice = sampler.bits2(draw + kLightChoice);
-    choice.first.store(choice_high);
-    choice.second.store(choice_low);
-    u.x.store(u_x);
-    u.y.store(u_y);
+    bits.first.store(select_high);
+    sampler.bits2(draw + kLightChoice).first.store(select_low);
+    v.store(v_lanes);
     store3(position, p);
-    scene_.lights.sample(lanes.bits(), choice_high, choice_low, u_x, u_y, {p[0], p[1], p[2]}, light_);
+    scene_.lights.sample(lanes.bits(), select_high, select_low, v_lanes, {p[0], p[1], p[2]}, light_);
     const WideMask triangles = WideMask::of(light_.triangles);
     SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
                              Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite)};
     if (any(triangles)) {
       constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
       const WideUInt chosen = WideUInt::load(light_.emitter) * row;
-      const SampledLight<Wide> s =
-          sample_triangles([&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, u);
+      const SampledLight<Wide> s = sample_triangles(
+          [&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, {Wide::load(light_.u), v});
       light.wi = select<Wide>(triangles, s.wi, light.wi);
       light.position = select<Wide>(triangles, s.position, light.position);
       light.end = select(triangles, s.end, light.end);
