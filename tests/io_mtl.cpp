@@ -220,6 +220,18 @@ TEST_CASE("a missing texture is named in a warning and magenta", "[unit]") {
   CHECK(one.warns(3, {"\"absent.png\"", "\"a\"", "missing"}));
 }
 
+TEST_CASE("a texture of a kind that is not read is magenta like a missing one, whatever its name", "[unit]") {
+  for (const std::string kind : {"map_Kd", "map_Ke", "map_Pr"}) {
+    InputFolder folder;
+    folder.write("mesh.mtl", "newmtl a\nKd 1 1 1\n" + kind + " map.gif\n");
+    folder.write("map.gif", "GIF89a");
+    const ObjMesh read = folder.obj("mtllib mesh.mtl\nusemtl a\n" + kTriangle);
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings.front().find("mesh.mtl:3: texture \"map.gif\" is neither PNG nor JPEG") != std::string::npos);
+    CHECK(read.materials.at(0).color.a == (kind == "map_Kd" ? Rgb(1.0f, 0.0f, 1.0f) : Rgb(1.0f)));
+  }
+}
+
 TEST_CASE("a texture that is there but damaged is refused", "[unit]") {
   InputFolder folder;
   folder.write("mesh.mtl", "newmtl a\nmap_Kd map.png\n");

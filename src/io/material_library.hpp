@@ -51,6 +51,8 @@ class MaterialLibrary {
   Material from_mtl(const MtlMaterial& source, const std::filesystem::path& folder);
   float mtl_fuzz(const MtlMaterial& source);
   Texture mtl_color(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise);
+  std::optional<std::filesystem::path> mtl_texture_file(const MtlMap& map, const std::filesystem::path& folder,
+                                                        const std::string& otherwise);
   Texture mtl_texture(const MtlMaterial& source, const MtlMap& map, const std::filesystem::path& folder);
   Texture mtl_color_or_texture(const MtlMaterial& source, const std::optional<Rgb>& color, const Rgb& otherwise,
                                const MtlMap& map, const std::filesystem::path& folder);

@@ -122,11 +122,8 @@ const MaterialLibrary::MtlPicture& MaterialLibrary::mtl_picture(const std::files
 std::optional<float> MaterialLibrary::mtl_share(const std::optional<float>& number, const MtlMap& map,
                                                 const std::filesystem::path& folder) {
   if (!map) return number;
-  if (const auto file = named_files.find(folder, map.file, "texture", map.place, warnings)) {
-    return mtl_picture(*file, map.file).mean;
-  }
-  warnings.push_back(map.place + ": texture " + in_quotes(map.file) + " is missing and left out");
-  return number;
+  const auto file = mtl_texture_file(map, folder, " and left out");
+  return file ? mtl_picture(*file, map.file).mean : number;
 }
 
 Texture MaterialLibrary::mtl_emission(const MtlMaterial& source, const std::filesystem::path& folder,
@@ -134,11 +131,8 @@ Texture MaterialLibrary::mtl_emission(const MtlMaterial& source, const std::file
   const Rgb ke = source.ke.value_or(Rgb(0.0f));
   const MtlMap& map = source.map_ke;
   if (!map) return Texture::solid_color(ke);
-  const auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
-  if (!file) {
-    warnings.push_back(map.place + ": texture " + in_quotes(map.file) + " is missing and left out");
-    return Texture::solid_color(ke);
-  }
+  const auto file = mtl_texture_file(map, folder, " and left out");
+  if (!file) return Texture::solid_color(ke);
   if (mtl_picture(*file, map.file).is_mostly_black) {
     // It marks spots, such as the lamps of a car, on a body that only reflects: as a light the body would be black.
     left_out.emplace_back("its light, as most of map_Ke is black");

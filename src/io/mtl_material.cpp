@@ -2,9 +2,12 @@
 // dielectric (Ni), and all else a light if Ke is not 0, or lambertian (Kd, or map_Kd in its place). What exporters add
 // to it, such as d, Pr and Pm, makes a material that mtl_exported.cpp reads.
 #include <algorithm>
+#include <array>
 
+#include "file_kind.hpp"
 #include "material_library.hpp"
 #include "message_text.hpp"
+#include "raylab/image/image_file.hpp"
 
 namespace raylab {
 
@@ -19,14 +22,28 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
   return Texture::solid_color(albedo);
 }
 
+/// Models name pictures of many kinds. One that is named or made as a kind that is read, but damaged, is an error
+/// later.
+std::optional<std::filesystem::path> MaterialLibrary::mtl_texture_file(const MtlMap& map,
+                                                                       const std::filesystem::path& folder,
+                                                                       const std::string& otherwise) {
+  const auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
+  if (file) {
+    constexpr std::array read{".png", ".jpg", ".jpeg", ".exr", "a PNG picture", "a JPEG picture", "an OpenEXR picture"};
+    const auto is_read = [&](const std::string& kind) {
+      return std::find(read.begin(), read.end(), kind) != read.end();
+    };
+    if (is_read(lowercase_ending(*file)) || is_read(content_of(*file).words)) return file;
+  }
+  warnings.push_back(map.place + ": texture " + in_quotes(map.file) +
+                     (file ? " is neither PNG nor JPEG nor OpenEXR" : " is missing") + otherwise);
+  return std::nullopt;
+}
+
 Texture MaterialLibrary::mtl_texture(const MtlMaterial& source, const MtlMap& map,
                                      const std::filesystem::path& folder) {
-  const auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
-  if (!file) {
-    warnings.push_back(map.place + ": texture " + in_quotes(map.file) + " of material " + in_quotes(source.name) +
-                       " is missing: magenta in its place");
-    return Texture::solid_color(Rgb(1.0f, 0.0f, 1.0f));
-  }
+  const auto file = mtl_texture_file(map, folder, ": magenta in its place, in material " + in_quotes(source.name));
+  if (!file) return Texture::solid_color(Rgb(1.0f, 0.0f, 1.0f));
   Texture texture;
   texture.kind = Texture::Kind::image;
   texture.image = textures.load(*file, map.file);
