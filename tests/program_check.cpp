@@ -42,3 +42,14 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
               std::to_string(e.dropped_bytes) + " of mesh attributes that no material reads were left out\n");
   }
 }
+
+TEST_CASE("the town loads with millions of triangles, nothing of it missing", "[cli]") {
+  const auto file = shipped_scene("town");
+  if (!file) return;
+  const ProgramResult result =
+      run_program(RAYLAB_BINARY_DIR "/raylab-render", {file->string(), "--check", "--set", "render.width=32"});
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.find("missing") == std::string::npos);
+  const std::size_t number = result.out.find_first_of("0123456789", result.out.find("\nbytes"));
+  CHECK(std::stoull(result.out.substr(number)) > 150'000'000);
+}
