@@ -178,8 +178,9 @@ TEST_CASE("a file of another kind is refused with its kind, under its own name a
       {"really.obj", "ply\nformat ascii 1.0\n", "a PLY model", "an OBJ model, as its name says"},
       {"really.ply", kTriangle, "an OBJ model", "a PLY model, as its name says"},
       {"really.toml", kTriangle, "an OBJ model", "a scene (TOML), as its name says"},
-      {"model.fbx", "Kaydara FBX Binary  ", "an FBX model", "a model"},
-      {"model.dae", "<?xml version=\"1.0\"?>", "an XML file", "a model"},
+      {"really.fbx", "ply\nformat ascii 1.0\n", "a PLY model", "a model of another format, as its name says"},
+      {"model.blend", "BLENDER-v300", "a Blender file", "a model"},
+      {"model.xml", "<?xml version=\"1.0\"?>", "an XML file", "a model"},
       {"model.bin", std::string("ab\0c", 4), "binary data", "a model"},
       {"archive.obj", "PK\x03\x04", "a zip archive", "a model"},
   };

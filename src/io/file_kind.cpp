@@ -107,7 +107,10 @@ FileKind kind_by_name(const std::filesystem::path& file) {
   if (ending == ".obj") return FileKind::obj;
   if (ending == ".ply") return FileKind::ply;
   if (ending == ".stl") return FileKind::stl;
-  return ending == ".gltf" || ending == ".glb" ? FileKind::gltf : FileKind::other;
+  if (ending == ".gltf" || ending == ".glb") return FileKind::gltf;
+  constexpr std::array foreign = {".3ds", ".3mf", ".ac",   ".ase", ".b3d", ".dae", ".dxf",
+                                  ".fbx", ".lwo", ".ms3d", ".off", ".x",   ".x3d"};
+  return std::find(foreign.begin(), foreign.end(), ending) != foreign.end() ? FileKind::foreign : FileKind::other;
 }
 
 const char* words_of(FileKind kind) {
@@ -122,6 +125,8 @@ const char* words_of(FileKind kind) {
       return "an STL model";
     case FileKind::gltf:
       return "a glTF model";
+    case FileKind::foreign:
+      return "a model of another format";
     case FileKind::other:
       break;
   }
@@ -145,6 +150,7 @@ FileKind model_kind(const std::filesystem::path& file, bool or_scene) {
   // An OBJ file that begins with what no OBJ file should is read, and told of with its line.
   const bool unclear = content.kind == FileKind::scene;
   if (unclear && promised != FileKind::other && (promised != FileKind::scene || or_scene)) return promised;
+  if (content.kind == FileKind::other && promised == FileKind::foreign) return promised;
   if (content.kind == FileKind::other || (unclear && !or_scene)) {
     refuse(std::string(or_scene ? "a scene (TOML) or " : "") + "a model (OBJ, PLY, STL or glTF)");
   }

@@ -6,7 +6,15 @@
 namespace raylab {
 
 /// What a file holds, as its content tells.
-enum class FileKind : std::uint8_t { scene, obj, ply, stl, gltf, other };
+enum class FileKind : std::uint8_t {
+  scene,
+  obj,
+  ply,
+  stl,
+  gltf,
+  foreign,  ///< a model of a format that raylab-import reads, by its name alone
+  other
+};
 
 struct FileContent {
   FileKind kind;

@@ -1,5 +1,6 @@
 #include "mesh_files.hpp"
 
+#include "foreign_model.hpp"
 #include "gltf_file.hpp"
 #include "ply_file.hpp"
 #include "raylab/core/error.hpp"
@@ -19,6 +20,8 @@ MeshWithMaterials read_mesh(FileKind kind, MaterialLibrary& library, const std::
       return read_stl_into(library, file, options);
     case FileKind::gltf:
       return read_gltf_into(library, file, options);
+    case FileKind::foreign:
+      return read_foreign_into(library, file, options);
     case FileKind::scene:
     case FileKind::other:
       break;
