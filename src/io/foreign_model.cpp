@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -91,6 +92,12 @@ MeshWithMaterials read_foreign_into(MaterialLibrary& library, const fs::path& fi
     replace_all(what, model.string(), "the glTF that raylab-import made of it");
     throw Error(ErrorKind::input, file.string(), what);
   }
+  // Extensions are of the glTF in between, not of the model.
+  const auto first = library.warnings.begin() + static_cast<std::ptrdiff_t>(warnings);
+  const auto is_of_extension = [](const std::string& text) {
+    return text.find(": its extension ") != std::string::npos;
+  };
+  library.warnings.erase(std::remove_if(first, library.warnings.end(), is_of_extension), library.warnings.end());
   for (auto* texts : {&library.warnings, &library.notes}) {
     for (std::size_t i = texts == &library.warnings ? warnings : notes; i < texts->size(); ++i) {
       replace_all((*texts)[i], model.string(), file.string());

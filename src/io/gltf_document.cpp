@@ -21,8 +21,7 @@ using nlohmann::json;
 namespace {
 
 /// Extensions that the picture takes account of.
-constexpr std::array kUnderstood = {"FB_ngon_encoding",  // how triangles were polygons, which they stay
-                                    "KHR_materials_emissive_strength",
+constexpr std::array kUnderstood = {"KHR_materials_emissive_strength",
                                     "KHR_materials_ior",
                                     "KHR_materials_pbrSpecularGlossiness",
                                     "KHR_materials_transmission",
