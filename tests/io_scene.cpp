@@ -1,5 +1,6 @@
 // What a scene file says is what the scene holds.
 #include "catch.hpp"
+#include "io/file_bytes.hpp"
 #include "io_files.hpp"
 #include "raylab/core/text.hpp"
 #include "raylab/image/image_file.hpp"
@@ -324,6 +325,30 @@ TEST_CASE("attributes no material reads are dropped unless they are to be kept",
   const LoadedScene dropped = load_scene(file);
   CHECK(dropped.scene.geometry.meshes.at(0).texcoords.empty());
   CHECK(dropped.dropped_bytes > 0);
+}
+
+TEST_CASE("the hash of a piece depends on its every byte, and is that of a file of these bytes", "[unit]") {
+  const InputFolder folder;
+  std::vector<std::uint64_t> hashes;
+  for (const std::size_t size : {0, 1, 8, 31, 32, 33, 64, (32 << 12) - 1, 32 << 12, (32 << 12) + 1}) {
+    std::string bytes(size, 'a');
+    const auto hash = [&] {
+      ContentHash made;
+      made.add(bytes);
+      hashes.push_back(made.value());
+    };
+    hash();
+    ContentHash of_file;
+    of_file.add_file(folder.write("bytes", bytes));
+    CHECK(of_file.value() == hashes.back());
+    for (std::size_t at = 0; at < size; at += 1 + size / 5) {
+      bytes[at] = 'b';
+      hash();
+      bytes[at] = 'a';
+    }
+  }
+  std::sort(hashes.begin(), hashes.end());
+  CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
 }
 
 TEST_CASE("the hash changes with the scene file, the overrides and every file the scene names", "[unit]") {

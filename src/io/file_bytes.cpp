@@ -1,8 +1,11 @@
 #include "file_bytes.hpp"
 
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <vector>
 
 #include "raylab/core/error.hpp"
 
@@ -24,6 +27,10 @@ std::ifstream open_file(const std::filesystem::path& file) {
   if (!in || errno == EISDIR) unreadable(file);
   return in;
 }
+
+constexpr std::uint64_t kPrime1 = 0x9e3779b185ebca87u, kPrime2 = 0xc2b2ae3d27d4eb4fu;
+
+std::uint64_t mixed(std::uint64_t lane, std::uint64_t word) { return std::rotl(lane + word * kPrime2, 31) * kPrime1; }
 
 }  // namespace
 
@@ -58,32 +65,39 @@ bool is_file(const std::filesystem::path& file) noexcept {
 
 void ContentHash::add(const std::string& bytes) {
   add_bytes(bytes.data(), bytes.size());
-  add_length(bytes.size());
+  lanes_[0] = mixed(lanes_[0], bytes.size());
 }
 
 void ContentHash::add_file(const std::filesystem::path& file) {
   std::ifstream in = open_file(file);
-  std::vector<char> buffer(std::size_t{1} << 16);
+  std::vector<char> buffer(kBlock << 12);
   std::uint64_t length = 0;
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0) {
     add_bytes(buffer.data(), static_cast<std::size_t>(in.gcount()));
     length += static_cast<std::uint64_t>(in.gcount());
   }
   if (in.bad()) unreadable(file);
-  add_length(length);
+  lanes_[0] = mixed(lanes_[0], length);
 }
 
 void ContentHash::add_bytes(const char* bytes, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    value_ = (value_ ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
+  for (; count >= kBlock; bytes += kBlock, count -= kBlock) {
+    std::array<std::uint64_t, 4> words;
+    std::memcpy(words.data(), bytes, kBlock);
+    for (std::size_t i = 0; i < words.size(); ++i) lanes_[i] = mixed(lanes_[i], words[i]);
   }
+  if (count == 0) return;
+  std::array<char, kBlock> last{};
+  std::memcpy(last.data(), bytes, count);
+  add_bytes(last.data(), kBlock);
 }
 
-void ContentHash::add_length(std::uint64_t length) {
-  for (int i = 0; i < 8; ++i, length >>= 8) {
-    const char byte = static_cast<char>(length & 0xff);
-    add_bytes(&byte, 1);
-  }
+std::uint64_t ContentHash::value() const {
+  std::uint64_t value = 0;
+  for (const std::uint64_t lane : lanes_) value = mixed(value, lane);
+  value = (value ^ value >> 33) * kPrime2;
+  value = (value ^ value >> 29) * kPrime1;
+  return value ^ value >> 32;
 }
 
 }  // namespace raylab

@@ -32,33 +32,44 @@ std::size_t skip_sign(std::string_view word, std::size_t at) {
   return at < word.size() && (word[at] == '+' || word[at] == '-') ? at + 1 : at;
 }
 
-/// [sign] digits with at most one point, [e [sign] digits]. Four digits of exponent are enough for any finite
-/// number.
-bool is_number(std::string_view word) {
-  const std::size_t whole = skip_sign(word, 0);
-  std::size_t at = skip_digits(word, whole);
-  std::size_t digits = at - whole;
-  if (at < word.size() && word[at] == '.') {
-    const std::size_t fraction = ++at;
-    at = skip_digits(word, at);
-    digits += at - fraction;
-  }
-  if (digits == 0) return false;
-  if (at < word.size() && (word[at] == 'e' || word[at] == 'E')) {
-    const std::size_t exponent = skip_sign(word, at + 1);
-    at = skip_digits(word, exponent);
-    if (at == exponent || at - exponent > 4) return false;
-  }
-  return at == word.size();
+/// The word that starts at `at`.
+std::string_view word_at(std::string_view text, std::size_t at) {
+  text.remove_prefix(at);
+  return next_word(text);
 }
 
-/// Length of the index that starts at `at`: [sign] digits, not zero, few enough for an int; 0 when there is none.
-std::size_t index_length(std::string_view word, std::size_t at) {
-  const std::size_t digits = skip_sign(word, at);
-  const std::size_t end = skip_digits(word, digits);
-  if (end == digits || end - digits > 9) return 0;
-  if (word.find_first_not_of('0', digits) >= end) return 0;
-  return end - at;
+std::size_t skip_space(std::string_view text, std::size_t at) {
+  while (at < text.size() && is_space(text[at])) ++at;
+  return at;
+}
+
+/// The end of the number that starts at `at`: [sign] digits with at most one point, [e [sign] digits]; `at` when there
+/// is none. Four digits of exponent are enough for any finite number.
+std::size_t number_end(std::string_view text, std::size_t at) {
+  const std::size_t whole = skip_sign(text, at);
+  std::size_t end = skip_digits(text, whole);
+  std::size_t digits = end - whole;
+  if (end < text.size() && text[end] == '.') {
+    const std::size_t fraction = ++end;
+    end = skip_digits(text, end);
+    digits += end - fraction;
+  }
+  if (digits == 0) return at;
+  if (end < text.size() && (text[end] == 'e' || text[end] == 'E')) {
+    const std::size_t exponent = skip_sign(text, end + 1);
+    end = skip_digits(text, exponent);
+    if (end == exponent || end - exponent > 4) return at;
+  }
+  return end;
+}
+
+/// The end of the index that starts at `at`: [sign] digits, not zero, few enough for an int; `at` when there is none.
+std::size_t index_end(std::string_view text, std::size_t at) {
+  const std::size_t digits = skip_sign(text, at);
+  std::size_t end = digits;
+  bool is_zero = true;
+  for (; end < text.size() && is_digit(text[end]); ++end) is_zero = is_zero && text[end] == '0';
+  return is_zero || end - digits > 9 ? at : end;
 }
 
 }  // namespace
@@ -67,6 +78,7 @@ ObjSource::ObjSource(std::string text, std::string file, Statement other)
     : text_(std::move(text)), file_(std::move(file)), other_(std::move(other)) {
   if (text_.starts_with("\xEF\xBB\xBF")) end_ = 3;  // byte order mark
   if (!text_.empty() && text_.back() != '\n') text_ += '\n';
+  has_returns_ = text_.find('\r') != std::string::npos;
 }
 
 ObjSource::Counts ObjSource::counts() const {
@@ -95,8 +107,9 @@ void ObjSource::fail(const std::string& expected) const {
 
 /// Index of the '\n' that ends the line that starts at `from`. A line may end in \n, \r\n or \r.
 std::size_t ObjSource::line_end(std::size_t from) {
+  if (!has_returns_) return text_.find('\n', from);  // is there, as the text ends with \n
   std::size_t end = from;
-  while (text_[end] != '\n' && text_[end] != '\r') ++end;  // ends, as the text ends with \n
+  while (text_[end] != '\n' && text_[end] != '\r') ++end;
   if (text_[end] == '\n') return end;
   if (text_[end + 1] != '\n') {
     text_[end] = '\n';
@@ -111,8 +124,7 @@ bool ObjSource::next_statement() {
   begin_ = end_;
   line_ = next_line_;
   if (begin_ >= text_.size()) return false;
-  const std::size_t first = text_.find_first_not_of(" \t", begin_);
-  const bool is_comment = first != std::string::npos && text_[first] == '#';
+  const bool is_comment = text_[skip_space(text_, begin_)] == '#';  // the text ends with no space
   for (std::size_t from = begin_;;) {
     const std::size_t end = line_end(from);
     ++next_line_;
@@ -129,33 +141,33 @@ bool ObjSource::next_statement() {
 
 void ObjSource::check_numbers(std::string_view rest, int least) const {
   int count = 0;
-  for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest), ++count) {
-    if (!is_number(word)) fail(word, "a finite number");
+  for (std::size_t at = skip_space(rest, 0); at < rest.size(); ++count) {
+    const std::size_t end = number_end(rest, at), next = skip_space(rest, end);
+    if (end == at || (next == end && end < rest.size())) fail(word_at(rest, at), "a finite number");
+    at = next;
   }
   if (count < least) fail(std::to_string(least) + (least == 1 ? " number" : " numbers"));
 }
 
 void ObjSource::check_corners(std::string_view rest) {
-  for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
-    std::size_t at = index_length(word, 0);
-    bool good = at > 0;
-    for (int more = 0; more < 2 && good && at < word.size(); ++more) {
-      good = word[at] == '/';
-      // An index may be left out, as in 1//3.
-      if (good && ++at < word.size() && word[at] != '/') {
-        const std::size_t length = index_length(word, at);
-        good = length > 0;
-        at += length;
-      }
+  for (std::size_t at = skip_space(rest, 0); at < rest.size();) {
+    std::size_t end = index_end(rest, at);
+    bool good = end > at;
+    for (int more = 0; more < 2 && good && end < rest.size() && rest[end] == '/'; ++more) {
+      const std::size_t index = ++end;
+      if (index == rest.size() || is_space(rest[index]) || rest[index] == '/') continue;  // left out, as in 1//3
+      end = index_end(rest, index);
+      good = end > index;
     }
-    if (!good || at != word.size()) {
-      fail(word, "a corner v, v/vt, v//vn or v/vt/vn with indices from 1 up, or from -1 down");
+    if (!good || (end < rest.size() && !is_space(rest[end]))) {
+      fail(word_at(rest, at), "a corner v, v/vt, v//vn or v/vt/vn with indices from 1 up, or from -1 down");
     }
     // After a last slash tinyobjloader would take the next corner's index for the one left out here.
-    for (auto last = static_cast<std::size_t>(word.data() - text_.data()) + word.size() - 1; text_[last] == '/';
+    for (std::size_t last = static_cast<std::size_t>(rest.data() - text_.data()) + end - 1; text_[last] == '/';
          --last) {
       text_[last] = ' ';
     }
+    at = skip_space(rest, end);
   }
 }
 

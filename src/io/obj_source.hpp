@@ -45,6 +45,7 @@ class ObjSource : public std::streambuf {
   std::string text_;
   std::string file_;
   Statement other_;
+  bool has_returns_ = false;         // '\r', which few files have
   std::size_t begin_ = 0, end_ = 0;  // of the statement, its line end included
   int line_ = 0;
   int next_line_ = 1;
