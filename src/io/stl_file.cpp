@@ -78,8 +78,13 @@ class StlReader {
   void add_facet(const std::array<vec3, 3>& points, PointTable& table, std::size_t place) {
     if (mesh_.positions.size() > kNone - 3) fail_at(place, "another facet", "at most 4294967295 vertices");
     std::array<FaceBuilder::Corner, 3> corners;
-    for (std::size_t c = 0; c < 3; ++c) corners[c] = {table.index_of(points[c]), kNone, kNone};
-    faces_.add_face(corners, place);
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = {table.index_of(points[i]), kNone, kNone};
+    const std::uint32_t a = corners[0].position, b = corners[1].position, c = corners[2].position;
+    if (a != b && b != c && c != a) {
+      faces_.add_triangle(corners[0], corners[1], corners[2]);
+    } else {
+      faces_.add_face(corners, place);  // which counts it among those left out
+    }
   }
 
   void read_points(std::size_t facet, std::array<vec3, 3>& points) const {
