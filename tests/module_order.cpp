@@ -47,6 +47,7 @@ const Library kLibraries[] = {
     {"GL/", {"apps/preview/"}},
     {"epoxy/", {"apps/preview/"}},
     {"imgui", {"apps/preview/"}},
+    {"assimp/", {"apps/import/"}},
     {"tiny_obj_loader", {"src/io/"}},
     {"tiny_gltf", {"src/io/"}},
     {"toml++/", {"src/io/"}},

@@ -27,7 +27,7 @@ Texture MaterialLibrary::mtl_color(const MtlMaterial& source, const std::optiona
 std::optional<std::filesystem::path> MaterialLibrary::mtl_texture_file(const MtlMap& map,
                                                                        const std::filesystem::path& folder,
                                                                        const std::string& otherwise) {
-  const auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
+  auto file = named_files.find(folder, map.file, "texture", map.place, warnings);
   if (file) {
     constexpr std::array read{".png", ".jpg", ".jpeg", ".exr", "a PNG picture", "a JPEG picture", "an OpenEXR picture"};
     const auto is_read = [&](const std::string& kind) {
