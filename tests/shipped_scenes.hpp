@@ -15,7 +15,7 @@ inline std::optional<std::filesystem::path> shipped_scene(const std::string& nam
     WARN(name << " is left out: " << model.string() << " is not there (see scenes/fetch)");
     return std::nullopt;
   }
-  return folder / (name + ".toml");
+  return folder / (name == "town" ? "town/town.toml" : name + ".toml");
 }
 
 }  // namespace raylab::test

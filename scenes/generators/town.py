@@ -7,7 +7,7 @@ from .obj import Obj
 
 HEAD = """\
 # A street and a square of a small town, in metres. Made by generate.py.
-# What lies in models/town is not ours: the fetch script beside this file gets it.
+# What lies in ../models/town is not ours: ../fetch gets it.
 
 [camera]
 look_from = [6.2, 7.2, 37.5]
@@ -62,7 +62,7 @@ class Town:
         """A fetched model, CATALOGUE/NAME or CATALOGUE/FOLDER/NAME, its front at `turn` degrees from +z towards +x."""
         catalogue, _, name = model.partition("/")
         folder, _, name = name.rpartition("/")
-        file = f"models/town/{catalogue}/{catalogue.lower()}/{folder or name}/{name}.obj"
+        file = f"../models/town/{catalogue}/{catalogue.lower()}/{folder or name}/{name}.obj"
         self.meshes.append(f'\n[[mesh]]\nfile = "{file}"\n'
                            + (f"scale = {scale:g}\n" if scale != 1 else "")
                            + (f"rotate_y = {turn:g}\n" if turn else "")
@@ -289,4 +289,4 @@ def files():
     mtl = "# Made by generate.py.\n" + "\n".join(
         f"newmtl {name}\nillum 2\nKd {r:g} {g:g} {b:g}\n" for name, (r, g, b) in COLORS.items())
     scene = HEAD + "".join(town.meshes)
-    return {"town.toml": scene.encode(), "town.mtl": mtl.encode(), "town.obj": town.obj.encode()}
+    return {"town/town.toml": scene.encode(), "town/town.mtl": mtl.encode(), "town/town.obj": town.obj.encode()}

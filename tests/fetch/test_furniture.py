@@ -103,7 +103,7 @@ class Furniture(unittest.TestCase):
         self.assertRegex(run.stderr, r"^scenes/fetch: town: there is no apt-get.*scenes/fetch town --from FOLDER`\n$")
 
     def test_the_town_names_its_models_once_each(self):
-        names = furniture.models_named((SCENES / "town.toml").read_text(encoding="utf-8"), "models/town")
+        names = furniture.models_named((SCENES / "town/town.toml").read_text(encoding="utf-8"), "../models/town")
         self.assertGreater(len(names), 50)
         self.assertIn("Scopia/scopia/acacia/acacia.obj", names)
         self.assertEqual(len(names), len(set(names)))
