@@ -232,3 +232,70 @@ TEST_CASE("a film of a window is added at its place in a larger one", "[unit][im
   CHECK(film.samples(0, 0) == 0);
   CHECK(film.samples(1, 2) == 0);
 }
+
+TEST_CASE("a sum of squares ends at the largest there is, whatever the order", "[unit][image]") {
+  const auto sum_of_squares = [](const std::vector<float>& numbers, std::size_t first_group) {
+    SquareSum sum, rest;
+    sum.add(numbers.data(), first_group);
+    rest.add(numbers.data() + first_group, numbers.size() - first_group);
+    sum.add(rest);
+    return sum;
+  };
+  const double most = 0x1p60 - 0x1p-36;  // 96 bits, of which 36 are a fraction
+  CHECK(sum_of_squares({0x1p29f, 0x1p29f, 0x1p29f}, 1).value() == 3.0 * 0x1p58);
+  std::vector<float> numbers = {0x1p29f, 3.0f, 0x1p29f, 1e-3f, 0x1p29f, 0x1p29f};
+  for (int trial = 0; trial < 6; ++trial) {
+    for (std::size_t group = 0; group <= numbers.size(); ++group) {
+      CHECK(sum_of_squares(numbers, group).value() == most);
+    }
+    std::rotate(numbers.begin(), numbers.begin() + 1, numbers.end());
+  }
+  CHECK(sum_of_squares({std::numeric_limits<float>::max(), kInfinity, 0x1p30f}, 2).value() == most);
+  CHECK(sum_of_squares({0x1p-18f, 0x1p-18f, 0x1.fp-19f}, 1).value() == 2 * 0x1p-36);
+}
+
+TEST_CASE("the estimate of error is as good as one of long doubles, dark and bright", "[unit][image]") {
+  std::mt19937 random(11);
+  for (const double scale : {1e-3, 1.0, 1e4, 1e6}) {
+    std::lognormal_distribution<double> radiance(std::log(scale), 1.5);
+    Film film(1, 1);
+    long double sum = 0.0L, squares = 0.0L;
+    constexpr int kCount = 4096;
+    for (int i = 0; i < kCount; ++i) {
+      const auto x = static_cast<float>(radiance(random));
+      film.add(0, 0, Rgb(x));
+      sum += x;
+      squares += static_cast<long double>(x) * x;
+    }
+    const long double mean = sum / kCount;
+    const auto variance = static_cast<double>((squares - kCount * mean * mean) / (kCount - 1) / kCount);
+    INFO("radiance about " << scale);
+    CHECK(film.variance_of_mean(0, 0).x == Approx(variance).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a film's rows go through words of 92 bytes a pixel and come back the same", "[unit][image]") {
+  CHECK(4 * Film::kWords == 92);
+  std::mt19937 random(9);
+  std::lognormal_distribution<float> radiance(0.0f, 9.0f);
+  Film film(5, 3);
+  for (int i = 0; i < 300; ++i) {
+    film.add(static_cast<int>(random() % 5), static_cast<int>(random() % 3),
+             Rgb(radiance(random), radiance(random), radiance(random)));
+  }
+  film.drop(2, 1, 7);
+  CHECK(film.taken(2, 1) == film.samples(2, 1) + 7);
+  Film back(5, 3), twice = film;
+  twice.add(film);
+  Film twice_back(5, 3);
+  for (int y = 0; y < 3; ++y) {
+    std::vector<std::uint32_t> words(5 * Film::kWords);
+    film.row_words(y, words.data());
+    back.add_row_words(y, words.data());
+    twice_back.add_row_words(y, words.data());
+    twice_back.add_row_words(y, words.data());
+  }
+  CHECK(back == film);
+  CHECK(twice_back == twice);
+  CHECK_FALSE(back == twice);
+}

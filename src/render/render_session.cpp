@@ -35,7 +35,7 @@ PixelRect region_of(const RenderOptions& o) {
     throw Error(ErrorKind::usage, "render", "tile size, pass size and samples per pixel must be at least 1");
   }
   if (0xffffffffu - o.first_sample < o.samples_per_pixel) {
-    throw Error(ErrorKind::usage, "--first-sample", "sample indices end at 4294967295");
+    throw Error(ErrorKind::usage, "--samples", "sample indices end at 4294967295");
   }
   const PixelRect all{0, 0, o.width, o.height};
   if (!o.crop) return all;
@@ -96,14 +96,27 @@ void RenderStats::add(const RenderStats& other) {
   }
 }
 
-RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options)
+RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options,
+                             std::optional<Film> film)
     : options_(options),
       region_(region_of(options)),
       needs_(options.needs ? *options.needs : scene_needs(scene)),
       camera_(options.camera, options.width, options.height),
       integrator_(scene, camera_, accelerator, needs_, options.integrator),
       tiles_(centre_out_tiles(region_, options.tile_size)),
-      film_(options.width, options.height) {}
+      film_(film ? std::move(*film) : Film(options.width, options.height)) {
+  RAYLAB_CHECK(film_.width() == options.width && film_.height() == options.height);
+  std::uint64_t all_taken = 0;
+  fewest_taken_ = options.samples_per_pixel;
+  for (int y = region_.y; y < region_.y + region_.height; ++y) {
+    for (int x = region_.x; x < region_.x + region_.width; ++x) {
+      const std::uint32_t taken = std::min(film_.taken(x, y), options.samples_per_pixel);
+      all_taken += taken;
+      fewest_taken_ = std::min(fewest_taken_, taken);
+    }
+  }
+  samples_taken_ = all_taken;
+}
 
 RenderSession::~RenderSession() { stop(); }
 
@@ -137,25 +150,40 @@ void RenderSession::stop() {
 
 void RenderSession::run() {
   const Stopwatch watch;
-  while (done_samples_ < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed)) {
+  bool enough = false;
+  // Passes end at the same numbers of samples wherever the film began, and with them the target of error.
+  for (std::uint32_t done = 0; done < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed);) {
     // As many as all passes before: few of them, while at no time one pixel has over twice the samples of another.
-    const std::uint32_t wanted = std::max(options_.pass_samples, std::min(done_samples_, options_.most_pass_samples));
-    const std::uint32_t count = std::min(wanted, options_.samples_per_pixel - done_samples_);
-    render_pass(options_.first_sample + done_samples_, count);
-    done_samples_ += count;
+    const std::uint32_t wanted = std::max(options_.pass_samples, std::min(done, options_.most_pass_samples));
+    done += std::min(wanted, options_.samples_per_pixel - done);
+    if (done < fewest_taken_) continue;
+    render_pass(done);
+    enough = options_.target_error && reached(done);
+    if (enough) break;
   }
   const std::lock_guard lock(mutex_);
   stats_.seconds += watch.seconds();
-  finished_.store(!stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
+  finished_.store(enough || !stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
 }
 
-void RenderSession::render_pass(std::uint32_t first, std::uint32_t count) {
+/// Whether all pixels have exactly so many samples, and the error is no more than asked for: of a film that was gone
+/// on from, pixels that have more say that at this place it was not.
+bool RenderSession::reached(std::uint32_t target) const {
+  for (int y = region_.y; y < region_.y + region_.height; ++y) {
+    for (int x = region_.x; x < region_.x + region_.width; ++x) {
+      if (film_.taken(x, y) != target) return false;
+    }
+  }
+  return film_.estimated_relmse() <= *options_.target_error;
+}
+
+void RenderSession::render_pass(std::uint32_t target) {
   parallel_for(tiles_.size(), [&](std::size_t i) {
-    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], first, count);
+    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], target);
   });
 }
 
-void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std::uint32_t count) {
+void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
   // Gathered apart and added at the end: the film is locked once a tile, and a snapshot never sees half a sample.
   Film gathered(tile.width, tile.height);
   RenderStats stats;
@@ -179,6 +207,7 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
         if (count_range({radiance[0][i], radiance[1][i], radiance[2][i]}, stats)) {
           gathered.add(run.x, run.y, from(radiance, i), 1);
         } else {
+          gathered.drop(run.x, run.y, 1);
           RenderStats dropped;
           dropped.dropped = 1;
           dropped.first_dropped = DroppedSample{tile.x + run.x, tile.y + run.y, paths.sample[i]};
@@ -193,11 +222,12 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
   for (int pixel = 0; pixel < tile.width * tile.height; ++pixel) {
     const int x = pixel % tile.width, y = pixel / tile.width;
     const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(tile.x + x), static_cast<std::uint32_t>(tile.y + y));
-    for (std::uint32_t done = 0; done < count;) {
+    // No other thread writes to this tile's pixels.
+    for (std::uint32_t done = film_.taken(tile.x + x, tile.y + y); done < target;) {
       const std::uint32_t room = static_cast<std::uint32_t>(PathBatch::kMost - paths.count);
-      const std::uint32_t taking = std::min(room, count - done);
+      const std::uint32_t taking = std::min(room, target - done);
       runs.push_back({x, y, paths.count, taking});
-      paths.add(tile.x + x, tile.y + y, seed, first + done, taking);
+      paths.add(tile.x + x, tile.y + y, seed, options_.first_sample + done, taking);
       done += taking;
       if (paths.count < PathBatch::kMost) continue;
       trace();
@@ -206,6 +236,7 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t first, std:
     if (stop_.load(std::memory_order_relaxed)) break;
   }
   if (paths.count != 0) trace();
+  if (taken == 0) return;
   samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   film_.add(gathered, tile.x, tile.y);

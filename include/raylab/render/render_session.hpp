@@ -38,6 +38,7 @@ struct RenderOptions {
   int tile_size = 16;                    ///< pixels; changes no result
   std::uint32_t pass_samples = 16;       ///< of the first pass; changes no result
   std::uint32_t most_pass_samples = 64;  ///< later passes take as many as all before, up to this
+  std::optional<double> target_error;    ///< ends after the first pass whose estimated relMSE is no more
   std::optional<SceneNeeds> needs;       ///< absent: what scene_needs() says
 };
 
@@ -67,11 +68,14 @@ struct RenderStats {
 };
 
 /// Renders one scene with one accelerator, in the background or not. The scene and the accelerator must outlive it.
-/// The film is the same to the bit for any number of threads, tile size and pass size.
+/// The film is the same to the bit for any number of threads, tile size and pass size, and for any number of sessions
+/// of which each goes on from the film that the one before left.
 class RenderSession {
  public:
-  /// Throws Error (input or usage) for a camera or options that make no picture.
-  RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options);
+  /// Throws Error (input or usage) for a camera or options that make no picture. Goes on from `film`, if there is one:
+  /// of the same options but samples_per_pixel, which may be more; each pixel goes on after the samples taken.
+  RenderSession(const Scene& scene, const Accelerator& accelerator, const RenderOptions& options,
+                std::optional<Film> film = std::nullopt);
   ~RenderSession();  ///< stops
   RenderSession(const RenderSession&) = delete;
   RenderSession& operator=(const RenderSession&) = delete;
@@ -91,11 +95,14 @@ class RenderSession {
   /// Ends rendering and waits for it.
   void stop();
 
-  /// Whether all samples are taken.
+  /// Whether all samples are taken, or as many as the target of error needs.
   bool finished() const { return finished_.load(std::memory_order_acquire); }
 
   /// Samples taken so far over samples asked for, in [0, 1].
   double progress() const;
+
+  /// What has been gathered. Only while nothing is rendered.
+  const Film& film() const { return film_; }
 
   /// Copy of what has been gathered so far. Safe while rendering.
   Film snapshot() const;
@@ -110,8 +117,9 @@ class RenderSession {
   const Integrator& integrator() const { return integrator_; }
 
  private:
-  void render_pass(std::uint32_t first, std::uint32_t count);
-  void render_tile(const PixelRect& tile, std::uint32_t first, std::uint32_t count);
+  bool reached(std::uint32_t target) const;
+  void render_pass(std::uint32_t target);
+  void render_tile(const PixelRect& tile, std::uint32_t target);
 
   RenderOptions options_;
   PixelRect region_;
@@ -119,7 +127,7 @@ class RenderSession {
   Camera camera_;
   Integrator integrator_;
   std::vector<PixelRect> tiles_;
-  std::uint32_t done_samples_ = 0;
+  std::uint32_t fewest_taken_ = 0;  // of the film that was gone on from
 
   mutable std::mutex mutex_;  // guards film_ and stats_
   Film film_;
