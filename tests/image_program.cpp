@@ -51,7 +51,7 @@ TEST_CASE("raylab-image tells its version and how it is used", "[cli][image]") {
   CHECK(version.err.empty());
   const ProgramResult help = raylab_image({"--help"});
   CHECK(help.exit_code == 0);
-  for (const char* command : {"compare", "convert", "info", "diff"}) {
+  for (const char* command : {"compare", "convert", "info", "diff", "merge"}) {
     CHECK(help.out.find(command) != std::string::npos);
   }
   CHECK(raylab_image({"diff", "--help"}).out.find("--full-scale") != std::string::npos);

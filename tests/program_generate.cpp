@@ -51,7 +51,7 @@ TEST_CASE("bash completes options and their values", "[cli]") {
 }
 
 TEST_CASE("bash completes commands, and each one's options", "[cli]") {
-  CHECK(bash_offers("raylab-image", "_") == "compare convert info diff");
+  CHECK(bash_offers("raylab-image", "_") == "compare convert info diff merge");
   CHECK(bash_offers("raylab-image", "conv") == "convert");
   CHECK(bash_offers("raylab-image", "convert a.exr --") == "--help --exposure");
   CHECK(bash_offers("raylab-image", "--vers") == "--version");

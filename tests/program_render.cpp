@@ -67,7 +67,7 @@ TEST_CASE("the options of raylab-render reach the picture", "[cli]") {
   CHECK_FALSE(differs({}));
   CHECK_FALSE(differs({"--threads", "1", "--tile-size", "3"}));
   CHECK(differs({"--seed", "1"}));
-  CHECK(differs({"--first-sample", "4"}));
+  CHECK(differs({"--samples", "4:8"}));
   CHECK(differs({"--spp", "5"}));
   CHECK(differs({"--sampler", "independent"}));
   CHECK(differs({"--max-depth", "1"}));

@@ -1,5 +1,7 @@
 #pragma once
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace raylab::app {
 
@@ -19,5 +21,11 @@ void info(const std::filesystem::path& file);
 /// Writes the picture of relative errors (see error_picture).
 void diff(const std::filesystem::path& image, const std::filesystem::path& reference,
           const std::filesystem::path& output, double full_scale);
+
+/// Writes the film of all samples of the parts, which --samples of raylab-render made, and its picture. What is missing
+/// is told on standard error. `exr`: half, float, or empty for half where it holds the picture. Layers: variance,
+/// samples.
+void merge(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& output, const std::string& exr,
+           const std::vector<std::string>& layers);
 
 }  // namespace raylab::app

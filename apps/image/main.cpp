@@ -1,7 +1,9 @@
 // raylab-image: compares, converts and describes pictures.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "raylab/apps/program.hpp"
@@ -50,11 +52,30 @@ int run(int argc, char** argv) {
       ->type_name("ERROR")
       ->check(CLI::Range(1e-12, 1e12));
 
+  std::vector<std::filesystem::path> parts;
+  std::string exr;
+  CLI::App* merge = app.add_subcommand(
+      "merge", "Join the parts of a picture that raylab-render --samples made, to the bits of one render");
+  merge->add_option("PARTS", parts, "The films, in any order")->required();
+  merge->add_option("-o,--output", output, "The .exr file to write, a film again, or a .png")
+      ->required()
+      ->type_name("OUT");
+  merge->add_option("--exr", exr, "Values of an EXR picture (default: half, and float where half would lose some)")
+      ->type_name("{half,float}")
+      ->check(CLI::IsMember({"half", "float"}));
+
+  std::vector<std::string> layers;
+  merge->add_option("--layers", layers, "EXR layers beside the picture, comma separated: variance, samples")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"variance", "samples"}));
+
   int exit_code = 0;
   if (!raylab::parse_or_tell(app, argc, argv, exit_code)) return exit_code;
   if (*compare) raylab::app::compare(image, reference, as_json);
   if (*convert) raylab::app::convert(input, output, exposure);
   if (*info) raylab::app::info(input);
+  if (*merge) raylab::app::merge(parts, output, exr, layers);
   if (*diff) raylab::app::diff(image, reference, output, full_scale);
   return 0;
 }

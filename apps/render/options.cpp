@@ -37,8 +37,8 @@ void add_picture_options(CLI::App& app, PictureCommand& command) {
       ->capture_default_str();
   app.add_option("--sampler", command.sampler, "Sampler")->type_name("{independent,sobol}")->capture_default_str();
   app.add_option("--spp", command.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 30));
-  app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio");
-  app.add_option("--height", command.height, "Height in pixels; alone, it keeps the scene's aspect ratio");
+  app.add_option("--width", command.width, "Width in pixels; alone, it keeps the scene's aspect ratio")->take_last();
+  app.add_option("--height", command.height, "Height in pixels; alone, it keeps the scene's aspect ratio")->take_last();
   app.add_option("--max-depth", command.max_depth, "Path segments, the camera ray included");
   app.add_option("--seed", command.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--threads", command.threads, "Threads for building and rendering; 0: all")
@@ -95,12 +95,39 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--needs", command.needs, "Store and branch on what the scene needs, or on all there is")
       ->check(CLI::IsMember({"scene", "all"}))
       ->capture_default_str();
-  app.add_option("--first-sample", command.first_sample, "Index of the first sample taken of each pixel")
-      ->capture_default_str();
+  std::string samples, checkpoint_every, write_every, time_limit;
+  app.add_option("--samples", samples,
+                 "Take samples A to B - 1 of each pixel, a part of the picture that raylab-image merge joins with "
+                 "others; implies --film")
+      ->type_name("A:B")
+      ->take_last();  // as the command that makes a dropped sample again asks for
+  std::string first_sample;
+  app.add_option("--first-sample", first_sample)->group("");  // an earlier one, told what took its place
+  app.add_flag("--film", command.film,
+               "EXR files hold the exact sums too, 96 bytes a pixel: --resume takes more samples of them, "
+               "raylab-image merge joins them");
+  app.add_option("--checkpoint-every", checkpoint_every,
+                 "Write the render's state to OUTPUT.checkpoint.exr so often, such as 30s, 10m or 1h (default: of "
+                 "renders over five minutes each minute, or less often for under 1% of the time)")
+      ->type_name("TIME");
+  app.add_flag("--resume", command.resume,
+               "Go on from OUTPUT.checkpoint.exr, or else from an output with --film, where there is one: to the same "
+               "picture as without a stop");
+  app.add_option("--write-every", write_every, "Write the picture so far to the outputs so often")->type_name("TIME");
+  app.add_option("--time-limit", time_limit, "Stop after so long a time of rendering, such as 30s, 10m or 1h")
+      ->type_name("TIME");
+  app.add_option("--target-error", command.target_error,
+                 "Stop once the estimated relMSE is no more; --spp remains the limit")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--exr", command.exr,
+                 "Values of EXR pictures: half or float (default: half, and float where half would lose values "
+                 "beyond 65504 or near 0)")
+      ->type_name("{half,float}")
+      ->check(CLI::IsMember({"half", "float"}));
   app.add_option("--tile-size", command.tile_size, "Tile size in pixels; changes no result")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.add_option("--crop", command.crop, "Render only X,Y,WIDTH,HEIGHT (pixels from the upper left)");
+  app.add_option("--crop", command.crop, "Render only X,Y,WIDTH,HEIGHT (pixels from the upper left)")->take_last();
   app.add_option("--layers", command.layers,
                  "EXR layers beside the picture, comma separated: albedo, normal, depth, variance, samples")
       ->delimiter(',')
@@ -129,6 +156,13 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
 
   if (!parse_or_tell(app, argc, argv, exit_code)) return std::nullopt;
   command.progress = progress_names.at(progress);
+  if (!first_sample.empty()) {
+    throw Error(ErrorKind::usage, "--first-sample", "is no more: --samples A:B takes samples A to B - 1");
+  }
+  if (!samples.empty()) command.samples = parse_samples(samples);
+  if (!checkpoint_every.empty()) command.checkpoint_every = parse_seconds("--checkpoint-every", checkpoint_every);
+  if (!write_every.empty()) command.write_every = parse_seconds("--write-every", write_every);
+  if (!time_limit.empty()) command.time_limit = parse_seconds("--time-limit", time_limit);
   if (command.quiet && command.progress == ProgressKind::automatic) command.progress = ProgressKind::none;
   if (command.scene.empty() && !command.list_accels) {
     std::fprintf(stderr, "raylab-render: a scene file or a model is missing (--help lists the options)\n");
@@ -136,6 +170,27 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
     return std::nullopt;
   }
   return command;
+}
+
+SampleRange parse_samples(const std::string& text) {
+  SampleRange range;
+  const char* const end = text.data() + text.size();
+  const auto [colon, error] = std::from_chars(text.data(), end, range.first);
+  if (error == std::errc() && colon != end && *colon == ':') {
+    const auto [rest, error_of_end] = std::from_chars(colon + 1, end, range.end);
+    if (error_of_end == std::errc() && rest == end && range.first < range.end) return range;
+  }
+  throw Error(ErrorKind::usage, "--samples", "found \"" + text + "\", expected A:B, of which A is less than B");
+}
+
+double parse_seconds(const std::string& option, const std::string& text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  const std::string unit(rest, end);
+  const double scale = unit.empty() || unit == "s" ? 1.0 : unit == "m" ? 60.0 : unit == "h" ? 3600.0 : 0.0;
+  if (error == std::errc() && number * scale > 0.0 && number * scale < 1e9) return number * scale;
+  throw Error(ErrorKind::usage, option, "found \"" + text + "\", expected a time such as 30s, 10m or 1h");
 }
 
 PixelRect parse_crop(const std::string& text) {
@@ -194,7 +249,15 @@ RenderOptions session_options(const RenderCommand& command, const LoadedScene& l
   options.integrator.ray_offset = command.ray_offset == "book" ? RayOffset::book : RayOffset::bounds;
   options.sampler = parse_sampler(command.sampler);
   options.seed = command.seed;
-  options.first_sample = command.first_sample;
+  options.target_error = command.target_error;
+  if (command.samples) {
+    if (command.spp && command.samples->end > static_cast<std::uint32_t>(*command.spp)) {
+      throw Error(ErrorKind::usage, "--samples",
+                  format("%s goes beyond the %d samples of --spp", to_string(*command.samples).c_str(), *command.spp));
+    }
+    options.first_sample = command.samples->first;
+    options.samples_per_pixel = command.samples->end - command.samples->first;
+  }
   options.tile_size = command.tile_size;
   if (!command.crop.empty()) options.crop = parse_crop(command.crop);
   if (command.needs == "all") options.needs = all_needs();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "raylab/core/progress.hpp"
+#include "raylab/image/film_file.hpp"
 #include "raylab/io/scene_file.hpp"
 #include "raylab/render/render_session.hpp"
 
@@ -46,7 +47,12 @@ struct RenderCommand : PictureCommand {
   std::string isa;
   std::string ray_offset = "bounds";
   std::string needs = "scene";
-  std::uint32_t first_sample = 0;
+  std::optional<SampleRange> samples;
+  bool film = false;
+  bool resume = false;
+  std::optional<double> checkpoint_every, write_every, time_limit;  ///< seconds
+  std::optional<double> target_error;
+  std::string exr;  ///< half or float; empty: half where it holds the picture
   int tile_size = 16;
   std::string crop;
   std::vector<std::string> layers;
@@ -66,6 +72,12 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
 
 /// What the session is to do: the scene's settings with the command line's on top. Throws Error (usage).
 RenderOptions session_options(const RenderCommand& command, const LoadedScene& loaded);
+
+/// "A:B", samples A to B - 1. Throws Error (usage).
+SampleRange parse_samples(const std::string& text);
+
+/// "10s", "5m", "2h", or seconds; more than none. Throws Error (usage) at the option.
+double parse_seconds(const std::string& option, const std::string& text);
 
 /// "X,Y,WIDTH,HEIGHT" in pixels. Throws Error (usage).
 PixelRect parse_crop(const std::string& text);

@@ -42,15 +42,19 @@ std::string check_text(const LoadedScene& loaded, double load_seconds) {
   return text;
 }
 
+std::string accelerator_text(const RenderCommand& command) {
+  std::string text = command.accel;
+  if (!command.intersector.empty()) text += ", " + command.intersector;
+  if (!command.quality.empty()) text += ", " + command.quality + " quality";
+  if (command.compact) text += ", compact";
+  return text;
+}
+
 std::string report_text(const RenderReport& r) {
   const RenderStats& s = r.stats;
   std::string text = scene_text(r.loaded, r.load_seconds);
-  std::string accel = r.command.accel;
-  if (!r.command.intersector.empty()) accel += ", " + r.command.intersector;
-  if (!r.command.quality.empty()) accel += ", " + r.command.quality + " quality";
-  if (r.command.compact) accel += ", compact";
-  text += format("accel      %s: built in %.3f s, %.1f MiB, %zu primitives", accel.c_str(), r.build.seconds,
-                 mebibytes(r.build.bytes), r.build.primitives);
+  text += format("accel      %s: built in %.3f s, %.1f MiB, %zu primitives", accelerator_text(r.command).c_str(),
+                 r.build.seconds, mebibytes(r.build.bytes), r.build.primitives);
   if (r.build.invalid_primitives > 0) text += format(" (%zu invalid left out)", r.build.invalid_primitives);
   if (!r.build.isa.empty()) text += ", " + r.build.isa;
   text += "\n";
@@ -58,6 +62,10 @@ std::string report_text(const RenderReport& r) {
                  s.rays.camera, s.rays.scattered, s.rays.shadow, millions_per_second(s.rays.total(), s.seconds));
   text += format("render     %.3f s on %d threads, %.3f Mpaths/s\n", s.seconds, threads_of(r.command),
                  millions_per_second(s.rays.camera, s.seconds));
+  if (r.stopped_by != "samples") {
+    text += format("stopped    by %s with %u to %u of %u samples a pixel\n", r.stopped_by.c_str(), r.taken.first,
+                   r.taken.end, r.options.samples_per_pixel);
+  }
   text += r.estimated_relmse < kInfinity
               ? format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n",
                        r.estimated_relmse)
@@ -83,8 +91,8 @@ std::string report_text(const RenderReport& r) {
 std::string replay_command(const RenderReport& r) {
   const DroppedSample d = r.stats.first_dropped.value_or(DroppedSample{});
   std::string command = r.command.command_line;
-  return command + format(" --width %d --height %d --crop %d,%d,1,1 --first-sample %u --spp 1", r.options.width,
-                          r.options.height, d.x, d.y, d.sample);
+  return command + format(" --width %d --height %d --crop %d,%d,1,1 --samples %u:%u", r.options.width,
+                          r.options.height, d.x, d.y, d.sample, d.sample + 1);
 }
 
 std::string report_json(const RenderReport& r) {
@@ -129,6 +137,9 @@ std::string report_json(const RenderReport& r) {
   json["clamped_samples"] = s.too_bright;
   json["faded_samples"] = s.too_dark;
   json["partial"] = r.partial;
+  json["stopped_by"] = r.stopped_by;
+  json["samples_taken"] = {{"fewest", r.taken.first}, {"most", r.taken.end}};
+  if (r.seconds_before > 0.0) json["seconds_before"] = r.seconds_before;
   // Names of files need not be UTF-8, which JSON is.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

@@ -12,14 +12,20 @@ struct RenderReport {
   const LoadedScene& loaded;
   const RenderOptions& options;
   const BuildReport& build;
-  const RenderStats& stats;
+  RenderStats stats;
   const SceneNeeds& needs;
   std::size_t light_count;
   std::size_t light_bytes;
   double load_seconds;
   double estimated_relmse;
   bool partial;
+  std::string stopped_by;  ///< what ended it: "samples", "--time-limit", "--target-error" or "interrupt"
+  SampleRange taken;       ///< the fewest and the most of a pixel that was rendered
+  double seconds_before;   ///< of the runs that it went on from
 };
+
+/// The accelerator and how it is built.
+std::string accelerator_text(const RenderCommand& command);
 
 /// What `--check` prints.
 std::string check_text(const LoadedScene& loaded, double load_seconds);

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <limits>
 #include <string>
 
 namespace raylab {
@@ -14,7 +15,7 @@ constexpr double kJsonSeconds = 1.0;
 constexpr int kBarWidth = 40;
 }  // namespace
 
-Progress::Progress(ProgressKind kind) {
+Progress::Progress(ProgressKind kind, double done) : done_(done) {
   switch (kind) {
     case ProgressKind::automatic:
       style_ = isatty(STDERR_FILENO) ? Style::bar : Style::lines;
@@ -43,9 +44,21 @@ void Progress::finish(double fraction) {
   if (style_ == Style::json) print(fraction);
 }
 
-void Progress::print(double fraction) {
+double Progress::expected_seconds(double fraction) const {
+  if (fraction <= done_) return std::numeric_limits<double>::infinity();
+  return watch_.seconds() * (1.0 - done_) / (fraction - done_);
+}
+
+void Progress::say(double fraction) const {
   const double elapsed = watch_.seconds();
-  const double left = fraction > 0.0 ? elapsed * (1.0 - fraction) / fraction : 0.0;
+  std::fprintf(stderr, "%5.1f%% after %.0f s", 100.0 * fraction, elapsed);
+  if (fraction > done_) std::fprintf(stderr, ", about %.0f s left", expected_seconds(fraction) - elapsed);
+  std::fprintf(stderr, "\n");
+}
+
+void Progress::print(double fraction) const {
+  const double elapsed = watch_.seconds();
+  const double left = fraction > done_ ? expected_seconds(fraction) - elapsed : 0.0;
   if (style_ == Style::bar) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
@@ -53,7 +66,7 @@ void Progress::print(double fraction) {
   } else if (style_ == Style::json) {
     std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed, left);
   } else {
-    std::fprintf(stderr, "%5.1f%% after %.0f s, about %.0f s left\n", 100.0 * fraction, elapsed, left);
+    say(fraction);
   }
   std::fflush(stderr);
 }

@@ -2,7 +2,9 @@
 // What the files of this folder share: telling the formats apart, and one function each format has.
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "raylab/image/image_file.hpp"
 
@@ -12,6 +14,33 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using InputFile = std::unique_ptr<std::FILE, CloseFile>;
+
+/// A picture that is made while it is written, so that of a large one there is no copy.
+struct PictureRows {
+  int width, height;
+  bool as_float = false;                            ///< in EXR files
+  std::vector<std::pair<std::string, bool>> layers;  ///< name, and whether it is float
+  /// Gives row y, and for each layer `width` values, one layer after the other. Called from the top down.
+  std::function<void(int y, Rgb* pixels, float* layers)> fill;
+};
+PictureRows rows_of(const Image& image, const std::vector<Layer>& layers = {});  // which must outlive it
+
+/// A second part of an EXR file, of as many pixels.
+struct WordRows {
+  std::string name;
+  Attributes attributes;
+  std::vector<std::string> channels;  ///< in the order of their names
+  std::function<void(int y, std::uint32_t* words)> fill;
+};
+
+/// Written beside and renamed. Throw Error (output).
+void write_exr(const std::filesystem::path& file, const PictureRows& picture, const Attributes& attributes,
+               const WordRows* words);
+void write_png(const std::filesystem::path& file, const PictureRows& picture);
+
+enum class Format { exr, png };
+/// Throws Error (usage) for another ending.
+Format output_format(const std::filesystem::path& file);
 
 /// Opens the file for reading. Throws Error (input) with the system's reason; a folder is refused.
 InputFile open_input(const std::filesystem::path& file);

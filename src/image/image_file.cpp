@@ -9,6 +9,7 @@
 
 #include "formats.hpp"
 #include "raylab/core/atomic_file.hpp"
+#include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
 
@@ -22,9 +23,7 @@ std::string lowercase_ending(const fs::path& file) {
   return ending;
 }
 
-namespace {
-
-enum class Format { exr, png };
+namespace detail {
 
 Format output_format(const fs::path& file) {
   const std::string ending = lowercase_ending(file);
@@ -35,9 +34,19 @@ Format output_format(const fs::path& file) {
                   std::string("; expected .exr or .png"));
 }
 
-}  // namespace
-
-namespace detail {
+PictureRows rows_of(const Image& image, const std::vector<Layer>& layers) {
+  PictureRows rows{image.width, image.height, false, {}, {}};
+  for (const Layer& layer : layers) {
+    RAYLAB_CHECK(layer.values.size() == image.pixels.size());
+    rows.layers.emplace_back(layer.name, layer.as_float);
+  }
+  rows.fill = [&image, &layers](int y, Rgb* pixels, float* values) {
+    const std::ptrdiff_t first = std::ptrdiff_t{y} * image.width;
+    std::copy_n(image.pixels.begin() + first, image.width, pixels);
+    for (const Layer& layer : layers) values = std::copy_n(layer.values.begin() + first, image.width, values);
+  };
+  return rows;
+}
 
 InputFile open_input(const fs::path& file) {
   const auto fail = [&](int error) {
@@ -82,16 +91,20 @@ void check_budget(std::int64_t width, std::int64_t height, const fs::path& file,
 
 void write_image(const fs::path& file, const Image& image, const std::vector<Layer>& layers,
                  const Attributes& attributes) {
-  switch (output_format(file)) {
-    case Format::exr:
+  switch (detail::output_format(file)) {
+    case detail::Format::exr:
       return write_exr(file, image, layers, attributes);
-    case Format::png:
+    case detail::Format::png:
       return write_png(file, image);
   }
 }
 
 void check_writable_image(const fs::path& file) {
-  output_format(file);
+  detail::output_format(file);
+  std::error_code ignored;
+  if (fs::is_fifo(fs::status(file, ignored))) {
+    throw Error(ErrorKind::output, file.string(), "is a pipe, and pictures are written to files");
+  }
   check_writable(file);
 }
 

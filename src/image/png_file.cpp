@@ -1,8 +1,8 @@
 // PNG in and out: all of libpng stays in this file.
 #include <png.h>
-#include <zlib.h>
 
 #include <csetjmp>
+#include <cstdio>
 #include <new>
 #include <utility>
 
@@ -93,45 +93,91 @@ class PngReader {
   std::string reason_;
 };
 
-/// A chunk that names the program and its version. libpng's writer in one call takes no text.
-std::string software_chunk() {
-  const auto big_endian = [](std::uint32_t value) {
-    std::string bytes;
-    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
-    return bytes;
-  };
-  const std::string text = std::string("Software") + '\0' + "Raylab " RAYLAB_VERSION;
-  const std::string body = "tEXt" + text;
-  const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
-  return big_endian(static_cast<std::uint32_t>(text.size())) + body + big_endian(static_cast<std::uint32_t>(checksum));
-}
+/// As PngReader is: what a longjmp leaves holds nothing that a destructor ends.
+class PngWriter {
+ public:
+  explicit PngWriter(std::ostream& stream)
+      : stream_(stream), png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, this, fail, ignore)) {
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) throw std::bad_alloc();
+  }
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+
+  // Each returns false where it fails, for reason().
+  bool write_header(int width, int height) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_write_fn(png_, this, write, nullptr);
+    png_set_IHDR(png_, info_, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_text software{};
+    software.compression = PNG_TEXT_COMPRESSION_NONE;
+    software.key = keyword_;
+    software.text = program_;
+    png_set_text(png_, info_, &software, 1);
+    png_write_info(png_, info_);
+    constexpr png_byte kPerceptual = 0;
+    png_write_chunk(png_, reinterpret_cast<png_const_bytep>("sRGB"), &kPerceptual, 1);
+    return true;
+  }
+  bool write_row(const std::uint8_t* rgb) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_write_row(png_, rgb);
+    return true;
+  }
+  bool write_end() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_write_end(png_, nullptr);
+    return true;
+  }
+  const char* reason() const { return reason_; }
+
+ private:
+  [[noreturn]] static void fail(png_structp png, png_const_charp reason) {
+    auto* const self = static_cast<PngWriter*>(png_get_error_ptr(png));
+    std::snprintf(self->reason_, sizeof self->reason_, "%s", reason);
+    png_longjmp(png, 1);
+  }
+  static void ignore(png_structp /*png*/, png_const_charp /*warning*/) {}
+  static void write(png_structp png, png_bytep bytes, std::size_t count) {
+    static_cast<PngWriter*>(png_get_io_ptr(png))
+        ->stream_.write(reinterpret_cast<const char*>(bytes), static_cast<std::streamsize>(count));
+  }
+
+  std::ostream& stream_;
+  png_structp png_;
+  png_infop info_ = nullptr;
+  char keyword_[9] = "Software";
+  char program_[64] = "Raylab " RAYLAB_VERSION;
+  char reason_[128] = "";
+};
 
 }  // namespace
 
-void write_png(const fs::path& file, const Image& image) {
-  RAYLAB_CHECK(image.width > 0 && image.height > 0);
-  std::vector<std::uint8_t> encoded;
-  encoded.reserve(3 * image.pixels.size());
-  for (const Rgb& pixel : image.pixels) {
-    for (int c = 0; c < 3; ++c) encoded.push_back(linear_to_srgb_byte(pixel[c]));
-  }
+void detail::write_png(const fs::path& file, const PictureRows& picture) {
+  RAYLAB_CHECK(picture.width > 0 && picture.height > 0);
   AtomicFile output(file);
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
-  png.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-  std::string bytes(size, '\0');
-  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, encoded.data(), 0, nullptr) == 0) {
-    throw Error(ErrorKind::output, file.string(), std::string("cannot be written: ") + png.message);
+  PngWriter png(output.stream());
+  const auto check = [&](bool written) {
+    if (!written) throw Error(ErrorKind::output, file.string(), std::string("cannot be written: ") + png.reason());
+  };
+  check(png.write_header(picture.width, picture.height));
+  std::vector<Rgb> row(static_cast<std::size_t>(picture.width));
+  std::vector<std::uint8_t> encoded(3 * row.size());
+  std::vector<float> layers(row.size() * picture.layers.size());  // which PNG has none of
+  for (int y = 0; y < picture.height; ++y) {
+    picture.fill(y, row.data(), layers.data());
+    for (std::size_t i = 0; i < encoded.size(); ++i) {
+      encoded[i] = linear_to_srgb_byte(row[i / 3][static_cast<int>(i % 3)]);
+    }
+    check(png.write_row(encoded.data()));
   }
-  bytes.resize(size);
-  constexpr std::size_t after_header = 8 + 25;  // the signature and the first chunk
-  bytes.insert(after_header, software_chunk());
-  output.stream() << bytes;
+  check(png.write_end());
   output.commit();
 }
+
+void write_png(const fs::path& file, const Image& image) { detail::write_png(file, detail::rows_of(image)); }
 
 Image8 detail::read_png(Input8 input) {
   PngReader png(std::move(input));

@@ -73,8 +73,13 @@ std::vector<std::string> view_warnings(const Scene& scene, const Accelerator& ac
   return warnings;
 }
 
-bool is_black(const Image& image) {
-  return std::all_of(image.pixels.begin(), image.pixels.end(), [](const Rgb& p) { return p == Rgb(0.0f); });
+bool is_black(const Film& film) {
+  for (int y = 0; y < film.height(); ++y) {
+    for (int x = 0; x < film.width(); ++x) {
+      if (!is_black(film.mean(x, y))) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace raylab

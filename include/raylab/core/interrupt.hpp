@@ -6,8 +6,9 @@ namespace raylab {
 /// Exit code of a program that was interrupted and wrote what it had.
 inline constexpr int kInterrupted = 130;
 
-/// While it lives, Ctrl-C and SIGTERM ask the program to stop instead of ending it. The third one ends it at once:
-/// `timeout` and job schedulers signal both the process and its group, so two signals are one wish.
+/// While it lives, Ctrl-C, SIGTERM and SIGHUP, where it was not ignored, ask the program to stop instead of ending it.
+/// The third one ends it at once: `timeout` and job schedulers signal both the process and its group, so two signals
+/// are one wish. SIGUSR1 asks it to say how far it is.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -17,8 +18,11 @@ class InterruptGuard {
 
   static bool interrupted();
 
+  /// Whether SIGUSR1 has come since this was asked last.
+  static bool state_wanted();
+
  private:
-  struct sigaction old_int_, old_term_;
+  struct sigaction old_int_, old_term_, old_hup_, old_usr1_;
 };
 
 }  // namespace raylab

@@ -8,18 +8,26 @@ enum class ProgressKind { automatic, lines, json, none };
 /// Shows how far a run has come, on standard error: a bar on a terminal, else a line every 10 s, or JSON lines.
 class Progress {
  public:
-  explicit Progress(ProgressKind kind);
+  /// `done`: the fraction that an earlier run has left, whose time says nothing of this one's.
+  explicit Progress(ProgressKind kind, double done = 0.0);
 
   /// Call often; prints when it is time to.
   void update(double fraction);
+
+  /// Prints a line now, whatever the kind, as SIGUSR1 asks for.
+  void say(double fraction) const;
+
+  /// Seconds that the whole run is expected to take; infinity while nothing is done.
+  double expected_seconds(double fraction) const;
 
   /// Clears the bar, or prints the last line.
   void finish(double fraction);
 
  private:
-  void print(double fraction);
+  void print(double fraction) const;
 
   enum class Style { bar, lines, json, none } style_;
+  double done_;
   Stopwatch watch_;
   double last_ = 0.0;
 };

@@ -12,7 +12,7 @@ namespace raylab {
 std::vector<std::string> view_warnings(const Scene& scene, const Accelerator& accelerator,
                                        const RenderOptions& options);
 
-/// Whether a picture is black everywhere.
-bool is_black(const Image& image);
+/// Whether the picture is black everywhere.
+bool is_black(const Film& film);
 
 }  // namespace raylab

@@ -1,0 +1,253 @@
+#include "render_shot.hpp"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+
+#include "raylab/core/atomic_file.hpp"
+#include "raylab/core/interrupt.hpp"
+#include "raylab/core/progress.hpp"
+#include "raylab/core/text.hpp"
+#include "raylab/render/features.hpp"
+#include "raylab/render/view_warnings.hpp"
+#include "report.hpp"
+#include "resume.hpp"
+
+namespace raylab {
+
+namespace {
+
+bool wants(const RenderCommand& command, const char* layer) {
+  return std::find(command.layers.begin(), command.layers.end(), layer) != command.layers.end();
+}
+
+void add_rgb(std::vector<Layer>& layers, const std::string& name, const char* channels, const Image& image) {
+  for (int c = 0; c < 3; ++c) {
+    Layer layer{name + "." + channels[c], false, {}};
+    layer.values.reserve(image.pixels.size());
+    for (const Rgb& p : image.pixels) layer.values.push_back(p[c]);
+    layers.push_back(std::move(layer));
+  }
+}
+
+std::vector<Layer> feature_layers(const Job& job, const RenderOptions& options) {
+  const RenderCommand& command = job.command;
+  std::vector<Layer> layers;
+  if (!wants(command, "albedo") && !wants(command, "normal") && !wants(command, "depth")) return layers;
+  constexpr std::uint32_t kFeatureSamples = 16;
+  FirstHitFeatures features = first_hit_features(job.loaded.scene, job.accelerator, options,
+                                                 std::min(kFeatureSamples, options.samples_per_pixel));
+  if (wants(command, "albedo")) add_rgb(layers, "albedo", "RGB", features.albedo);
+  if (wants(command, "normal")) add_rgb(layers, "N", "XYZ", features.normal);
+  if (wants(command, "depth")) layers.push_back({"Z", true, std::move(features.depth)});
+  return layers;
+}
+
+Attributes make_attributes(const RenderReport& r) {
+  return {{"raylab.version", RAYLAB_VERSION},
+          {"raylab.command", r.command.command_line},
+          {"raylab.sceneHash", format("%016" PRIx64, r.loaded.hash)},
+          {"raylab.seed", std::to_string(r.options.seed)},
+          {"raylab.firstSample", std::to_string(r.options.first_sample)},
+          {"raylab.samplesPerPixel", std::to_string(r.options.samples_per_pixel)},
+          {"raylab.samplesTaken", format("%u to %u", r.taken.first, r.taken.end)},
+          {"raylab.stoppedBy", r.stopped_by},
+          {"raylab.accelerator", r.command.accel},
+          {"raylab.seconds", std::to_string(r.stats.seconds + r.seconds_before)},
+          {"raylab.estimatedRelmse", std::to_string(r.estimated_relmse)},
+          {"raylab.partial", r.partial ? "true" : "false"}};
+}
+
+/// The fewest and the most samples taken of a pixel that is rendered.
+SampleRange taken_of(const Film& film, const RenderOptions& options) {
+  const PixelRect region = options.crop.value_or(PixelRect{0, 0, options.width, options.height});
+  SampleRange taken{0xffffffffu, 0};
+  for (int y = region.y; y < region.y + region.height; ++y) {
+    for (int x = region.x; x < region.x + region.width; ++x) {
+      taken.first = std::min(taken.first, film.taken(x, y));
+      taken.end = std::max(taken.end, film.taken(x, y));
+    }
+  }
+  return taken;
+}
+
+/// One picture, from the film that it goes on from to the files that are written of it.
+class ShotRender {
+ public:
+  ShotRender(const Job& job, const Shot& shot, const Files& outputs) : job_(job), options_(options_of(job, shot)) {
+    for (const auto& file : outputs) outputs_.push_back(with_suffix(file, shot.suffix));
+    if (!job.command.stats_file.empty()) stats_file_ = with_suffix(job.command.stats_file, shot.suffix);
+    checkpoint_ = checkpoint_of(outputs_.front());
+    info_ = film_info(job.command, job.loaded, options_);
+  }
+
+  bool run() {
+    RenderSession session(job_.loaded.scene, job_.accelerator, options_, film_to_go_on_from());
+    const std::vector<std::string> warnings = view_warnings(job_.loaded.scene, job_.accelerator, options_);
+    for (const std::string& warning : warnings) job_.warn(warning);
+    wait(session);
+    // Before the pictures: it holds all that they are made of.
+    if (interrupted()) write_checkpoint(session);
+    const Film& film = session.film();
+    const RenderReport report = report_of(session, stopped_by_, film.estimated_relmse(), taken_of(film, options_));
+    if (!report.partial && warnings.empty() && is_black(film)) {
+      job_.warn("the picture is black: no light reaches what the camera sees");
+    }
+    write_outputs(session, report, as_float(film));
+    if (stats_file_) {
+      AtomicFile file(*stats_file_);
+      file.stream() << report_json(report);
+      file.commit();
+    }
+    if (!job_.command.quiet) say(report);
+    std::error_code ignored;
+    if (!interrupted()) std::filesystem::remove(checkpoint_, ignored);
+    return !interrupted();
+  }
+
+ private:
+  static RenderOptions options_of(const Job& job, const Shot& shot) {
+    RenderOptions options = session_options(job.command, job.loaded);
+    options.camera = shot.camera;
+    return options;
+  }
+
+  bool interrupted() const { return stopped_by_ == "interrupt"; }
+
+  std::optional<Film> film_to_go_on_from() {
+    if (!job_.command.resume) {
+      if (std::filesystem::exists(checkpoint_)) {
+        job_.warn(checkpoint_.string() + " is left of an earlier render, and is not gone on from without --resume");
+      }
+      return std::nullopt;
+    }
+    std::optional<ResumedFilm> resumed = resumed_film(outputs_.front(), info_);
+    if (!job_.command.quiet) {
+      if (resumed) {
+        std::printf("resumed    %s with %u to %u of %u samples a pixel\n", resumed->file.c_str(), resumed->taken.first,
+                    resumed->taken.end, options_.samples_per_pixel);
+      } else {
+        std::printf("resumed    nothing: there is no %s\n", checkpoint_.c_str());
+      }
+      std::fflush(stdout);
+    }
+    if (!resumed) return std::nullopt;
+    seconds_before_ = resumed->seconds;
+    return std::move(resumed->film);
+  }
+
+  /// Until the session has ended by itself, an interrupt or the time limit.
+  void wait(RenderSession& session) {
+    Progress progress(job_.command.progress, session.progress());
+    const auto warn = [this](const std::string& failure) { job_.warn(failure); };
+    RepeatedWriter checkpoints([&] { write_checkpoint(session); }, warn);
+    RepeatedWriter pictures([&] { write_outputs(session, report_so_far(session), false); }, warn);
+    const Stopwatch watch;
+    session.start();
+    while (!session.wait_for(0.05)) {
+      const double done = session.progress();
+      progress.update(done);
+      checkpoints.write_every(
+          checkpoint_interval(job_.command, progress.expected_seconds(done), checkpoints.last_seconds()));
+      if (job_.command.write_every) pictures.write_every(*job_.command.write_every);
+      if (InterruptGuard::state_wanted()) progress.say(done);
+      if (!stopped_by_.empty()) continue;
+      if (InterruptGuard::interrupted()) stopped_by_ = "interrupt";
+      if (job_.command.time_limit && watch.seconds() >= *job_.command.time_limit) stopped_by_ = "--time-limit";
+      if (!stopped_by_.empty()) session.request_stop();
+    }
+    session.stop();
+    progress.finish(session.progress());
+    if (session.finished()) stopped_by_ = session.progress() < 1.0 ? "--target-error" : "samples";
+  }
+
+  FilmPicture picture_of(const RenderSession& session, const RenderReport& report) const {
+    FilmPicture picture;
+    picture.width = options_.width;
+    picture.height = options_.height;
+    picture.rows = [&session](int first, int count) { return session.snapshot_rows(first, count); };
+    picture.attributes = make_attributes(report);
+    picture.film = info_;
+    picture.film->seconds = report.stats.seconds + seconds_before_;
+    return picture;
+  }
+
+  void write_checkpoint(const RenderSession& session) const {
+    write_film_picture(checkpoint_, picture_of(session, report_so_far(session)));
+  }
+
+  void write_outputs(const RenderSession& session, const RenderReport& report, bool as_float) const {
+    FilmPicture picture = picture_of(session, report);
+    picture.as_float = as_float;
+    picture.variance = wants(job_.command, "variance");
+    picture.samples = wants(job_.command, "samples");
+    picture.layers = feature_layers(job_, options_);
+    if (!job_.command.film && !job_.command.samples) picture.film.reset();
+    for (const auto& file : outputs_) write_film_picture(file, picture);
+  }
+
+  bool as_float(const Film& film) const {
+    if (!job_.command.exr.empty()) return job_.command.exr == "float";
+    const auto is_exr = [](const auto& file) { return lowercase_ending(file) == ".exr"; };
+    if (std::none_of(outputs_.begin(), outputs_.end(), is_exr) || fits_half(film)) return false;
+    job_.warn(
+        "the EXR picture holds floats, as half would lose values beyond 65504 or near 0; --exr half or float says "
+        "which");
+    return true;
+  }
+
+  /// For threads that write while this one waits.
+  RenderReport report_so_far(const RenderSession& session) const {
+    return report_of(session, "not yet", kInfinity, {});
+  }
+
+  RenderReport report_of(const RenderSession& session, const std::string& stopped_by, double estimated_relmse,
+                         SampleRange taken) const {
+    return {job_.command,
+            job_.loaded,
+            options_,
+            job_.accelerator.build_report(),
+            session.stats(),
+            session.needs(),
+            session.integrator().lights().count,
+            session.integrator().lights().bytes,
+            job_.load_seconds,
+            estimated_relmse,
+            stopped_by == "not yet" || stopped_by == "interrupt",
+            stopped_by,
+            taken,
+            seconds_before_};
+  }
+
+  void say(const RenderReport& report) const {
+    if (!job_.command.fly) std::fputs(report_text(report).c_str(), stdout);
+    if (job_.loaded.made_for_model && job_.command.write_scene.empty()) {
+      std::printf("scene      made for the model; --write-scene FILE.toml keeps it, to go on from there\n");
+    }
+    for (const auto& file : outputs_) {
+      std::printf("wrote      %s%s\n", file.c_str(), report.partial ? " (partial: interrupted)" : "");
+    }
+    if (interrupted()) std::printf("checkpoint %s; --resume goes on from it\n", checkpoint_.c_str());
+  }
+
+  const Job& job_;
+  RenderOptions options_;
+  Files outputs_;
+  std::optional<std::filesystem::path> stats_file_;
+  std::filesystem::path checkpoint_;
+  FilmInfo info_;
+  double seconds_before_ = 0.0;
+  std::string stopped_by_;  // empty while it renders
+};
+
+}  // namespace
+
+void Job::warn(const std::string& warning) const {
+  if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
+}
+
+bool render_shot(const Job& job, const Shot& shot, const Files& outputs) {
+  return ShotRender(job, shot, outputs).run();
+}
+
+}  // namespace raylab
