@@ -2,10 +2,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
+
 #include "catch.hpp"
 #include "expect_error.hpp"
 #include "file_size_limit.hpp"
 #include "raylab/core/atomic_file.hpp"
+#include "raylab/image/image_file.hpp"
 #include "temp_folder.hpp"
 
 using namespace raylab;
@@ -83,6 +86,66 @@ TEST_CASE("a pipe is written to and stays a pipe", "[unit][core]") {
   CHECK(text == std::string("text"));
   CHECK(fs::is_fifo(pipe));
   CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("a pipe that no one reads is an error and no wait without end", "[unit][core]") {
+  const TempFolder folder;
+  const fs::path pipe = folder / "pipe.png";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  expect_error(ErrorKind::output, pipe.string(), {"cannot be written"}, [&] { AtomicFile output(pipe); });
+  check_writable(pipe);  // a reader may come
+  expect_error(ErrorKind::output, pipe.string(), {"is a pipe"}, [&] { check_writable_image(pipe); });
+}
+
+TEST_CASE("an atomic file keeps the permissions of the one it replaces", "[unit][core]") {
+  const TempFolder folder;
+  const fs::path file = folder / "a.txt";
+  write_text(file, "old");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  AtomicFile output(file);
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    CHECK(entry.status().permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+  }
+  output.stream() << "new";
+  output.commit();
+  CHECK(read_text(file) == "new");
+  CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+
+TEST_CASE("an atomic file is put where a dangling link says, and the link stays", "[unit][core]") {
+  const TempFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  fs::create_symlink("elsewhere/target.txt", folder / "second.txt");
+  fs::create_symlink("second.txt", folder / "first.txt");
+  AtomicFile output(folder / "first.txt");
+  output.stream() << "new";
+  output.commit();
+  CHECK(fs::is_symlink(folder / "first.txt"));
+  CHECK(fs::is_symlink(folder / "second.txt"));
+  CHECK(read_text(folder / "elsewhere/target.txt") == "new");
+  fs::create_symlink("nowhere/target.txt", folder / "third.txt");
+  expect_error(ErrorKind::output, (folder / "third.txt").string(), {"No such file"},
+               [&] { AtomicFile lost(folder / "third.txt"); });
+}
+
+TEST_CASE("what killed processes left is removed, and what is in use is not", "[unit][core]") {
+  const TempFolder folder;
+  const fs::path left = folder / ".raylab-1234-0.tmp", fresh = folder / ".raylab-1234-1.tmp";
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  AtomicFile in_use(folder / "a.txt");
+  for (const auto& entry : fs::directory_iterator(folder.path())) fs::last_write_time(entry.path(), old);
+  write_text(left, "left");
+  fs::last_write_time(left, old);
+  write_text(fresh, "fresh");
+  write_text(folder / "raylab.tmp", "another's");
+  fs::last_write_time(folder / "raylab.tmp", old);
+  AtomicFile other(folder / "b.txt");
+  CHECK_FALSE(fs::exists(left));
+  CHECK(fs::exists(fresh));
+  CHECK(fs::exists(folder / "raylab.tmp"));
+  in_use.commit();
+  other.commit();
+  CHECK(fs::exists(folder / "a.txt"));
 }
 
 TEST_CASE("an atomic file follows links", "[unit][core]") {

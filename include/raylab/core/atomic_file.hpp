@@ -5,8 +5,11 @@
 namespace raylab {
 
 /// A file written whole or not at all: what is streamed goes to a temporary file in the same folder, and commit()
-/// renames that over the file. Without a commit the temporary file is removed and a file that was there before
-/// stays as it was. A symbolic link is followed; a device or pipe is written directly.
+/// renames that over the file, once the disk has it. Without a commit the temporary file is removed and a file that was
+/// there before stays as it was; what a killed process has left is removed by a later one that writes there. The
+/// permissions of a file that was there are kept. A symbolic link is followed, to where its file is to be; of a hard
+/// link the other names keep the old content, as only a new file can take a name's place at once. A device is written
+/// directly, and so is a pipe that someone reads.
 class AtomicFile {
  public:
   /// Opens the temporary file. Throws Error (output) with the system's reason: the folder is missing or cannot be
@@ -26,6 +29,7 @@ class AtomicFile {
   std::filesystem::path file_;       ///< as the caller named it, for messages
   std::filesystem::path target_;     ///< file_ with links followed
   std::filesystem::path temporary_;  ///< empty when there is none (any more)
+  int descriptor_ = -1;              ///< of the temporary file, locked while it is in use
   std::ofstream stream_;
 };
 
