@@ -104,9 +104,17 @@ TEST_CASE("raylab-image info describes a picture", "[cli][image]") {
   const Pictures folder;
   const ProgramResult info = raylab_image({"info", folder.name("a.exr")});
   CHECK(info.exit_code == 0);
-  CHECK(info.out == "size: 2 x 1\nchannels: A half, B half, G half, R half, Z float\nseed: 7\n");
+  CHECK(info.out ==
+        "size: 2 x 1\nchannels: A half, B half, G half, R half, Z float\nrange R: 1 to 1\nrange G: 1 to 1\n"
+        "range B: 1 to 1\nseed: 7\n");
+  Image odd(3, 1);
+  odd.pixels = {Rgb(0.5f, 1.0f, NAN), Rgb(-1.0f, INFINITY, NAN), Rgb(4.0f, 3.0f, NAN)};
+  write_exr(folder / "odd.exr", odd);
+  const std::string text = raylab_image({"info", folder.name("odd.exr")}).out;
+  CHECK(text.find("range R: -1 to 4\nrange G: 1 to 65504\nrange B: 3 not finite\n") != std::string::npos);
   write_png(folder / "a.png", Image(3, 2));
-  CHECK(raylab_image({"info", folder.name("a.png")}).out == "size: 3 x 2\nchannels: R 8-bit, G 8-bit, B 8-bit\n");
+  CHECK(raylab_image({"info", folder.name("a.png")}).out ==
+        "size: 3 x 2\nchannels: R 8-bit, G 8-bit, B 8-bit\nrange R: 0 to 0\nrange G: 0 to 0\nrange B: 0 to 0\n");
 }
 
 TEST_CASE("raylab-image diff shows where the error is", "[cli][image]") {

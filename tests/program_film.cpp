@@ -150,6 +150,20 @@ TEST_CASE("a render that is stopped or killed is gone on with to the same bits",
   }
 }
 
+TEST_CASE("a render writes the picture so far, and says how far it is when it is asked", "[cli][film]") {
+  const SmallScene small;
+  const std::string output = (small / "out.exr").string();
+  // Killed, so that what is there was written on the way; asked by the shell that started it.
+  const ProgramResult result = run_program(
+      "/bin/sh", {"-c", "\"$0\" \"$@\" & sleep 0.5; kill -USR1 $!; sleep 0.2; kill -KILL $!; wait $!", kProgram,
+                  small.scene, "-o", output, "--spp", "1000000000", "--write-every", "0.05s", "--progress", "none"});
+  CHECK(result.exit_code == 137);
+  CHECK(contains(result.err, "% after "));
+  CHECK(contains(result.err, " s left\n"));
+  CHECK(read_exr(output).at(0, 0) == Rgb(1.0f));
+  CHECK(read_exr_attributes(output).at("raylab.partial") == "true");
+}
+
 TEST_CASE("what there is not to resume is said, and a checkpoint that is not gone on from too", "[cli][film]") {
   const SmallScene small;
   const std::string output = (small / "out.png").string(), checkpoint = output + ".checkpoint.exr";

@@ -126,8 +126,8 @@ TEST_CASE("the check option says how the scene was understood and writes nothing
   const std::string output = (folder / "none.exr").string();
   const ProgramResult result = raylab_render({kCornell, "-o", output, "--check"});
   CHECK(result.exit_code == 0);
-  for (const char* part :
-       {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights", "376 of geometry"}) {
+  for (const char* part : {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights",
+                           "376 of geometry", "800 x 800 pixels, 56.2 MiB"}) {
     INFO(part << " in " << result.out);
     CHECK(result.out.find(part) != std::string::npos);
   }
@@ -236,6 +236,19 @@ TEST_CASE("an output that cannot be written is told before rendering, with exit 
   const ProgramResult ending = raylab_render({small.scene, "-o", (small / "x.gif").string()});
   CHECK(ending.exit_code == 2);
   CHECK(ending.err.find("x.gif") != std::string::npos);
+}
+
+TEST_CASE("no file is written over another output, nor over what the scene is read from", "[cli]") {
+  const SmallScene small;
+  const std::string scene = small.scene, picture = (small / "ball.png").string();
+  fs::create_hard_link(scene, small / "link.exr");
+  small.expect_failure(2, {"link.exr: is read by the scene"}, {"-o", (small / "link.exr").string()});
+  small.expect_failure(2, {small.scene + ": is read by the scene"}, {"--stats", small.scene});
+  small.expect_failure(2, {small.output + ": would be written twice"}, {"--stats", small.output});
+  small.expect_failure(2, {"ball.png: would be written twice"},
+                       {"-o", picture, "-o", (small.path() / "." / "ball.png").string()});
+  CHECK(read_text(scene) == kBall);
+  CHECK_FALSE(fs::exists(picture));
 }
 
 TEST_CASE("an interrupted render writes what it has, marked partial, and exits with 130", "[cli]") {

@@ -1,10 +1,12 @@
 #include "commands.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
-#include "raylab/image/image_file.hpp"
+#include "raylab/image/film_file.hpp"
 #include "raylab/image/metrics.hpp"
 
 namespace raylab::app {
@@ -41,6 +43,28 @@ void convert(const fs::path& input, const fs::path& output, double exposure_stop
   write_image(output, image, {}, read_image_info(input).attributes);
 }
 
+namespace {
+
+/// The least and the most of each channel, and how many values are no numbers.
+void print_ranges(const Image& image) {
+  for (int c = 0; c < 3; ++c) {
+    float least = std::numeric_limits<float>::max(), most = -least;
+    std::size_t odd = 0;
+    for (const Rgb& pixel : image.pixels) {
+      odd += !std::isfinite(pixel[c]);
+      if (!std::isfinite(pixel[c])) continue;
+      least = std::min(least, pixel[c]);
+      most = std::max(most, pixel[c]);
+    }
+    std::printf("range %c: ", "RGB"[c]);
+    if (odd < image.pixels.size()) std::printf("%.6g to %.6g", static_cast<double>(least), static_cast<double>(most));
+    if (odd > 0) std::printf("%s%zu not finite", odd < image.pixels.size() ? ", " : "", odd);
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+
 void info(const fs::path& file) {
   const ImageInfo info = read_image_info(file);
   std::printf("size: %d x %d\n", info.width, info.height);
@@ -51,7 +75,18 @@ void info(const fs::path& file) {
     separator = ", ";
   }
   std::printf("\n");
+  const auto is_there = [&](const char* name) {
+    return std::any_of(info.channels.begin(), info.channels.end(),
+                       [&](const std::string& channel) { return channel.starts_with(name); });
+  };
+  if (is_there("Y 8-bit") || (is_there("R ") && is_there("G ") && is_there("B "))) print_ranges(read_image(file));
   for (const auto& [name, value] : info.attributes) std::printf("%s: %s\n", name.c_str(), value.c_str());
+  if (!FilmFile::is_one(file)) return;
+  const FilmInfo film = FilmFile(file).info();
+  std::printf("film:");
+  for (const SampleRange& range : film.ranges) std::printf(" samples %s", to_string(range).c_str());
+  std::printf(" of %u\n", film.wanted);
+  for (const auto& [name, value] : film.settings) std::printf("film %s: %s\n", name.c_str(), value.c_str());
 }
 
 void diff(const fs::path& image, const fs::path& reference, const fs::path& output, double full_scale) {

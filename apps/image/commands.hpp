@@ -15,7 +15,7 @@ void compare(const std::filesystem::path& image, const std::filesystem::path& re
 /// attributes are kept; layers are not.
 void convert(const std::filesystem::path& input, const std::filesystem::path& output, double exposure_stops);
 
-/// Prints size, channels and attributes.
+/// Prints size, channels, ranges of R, G and B (linear), attributes, and what a film is of.
 void info(const std::filesystem::path& file);
 
 /// Writes the picture of relative errors (see error_picture).

@@ -38,7 +38,8 @@ int run(int argc, char** argv) {
       ->type_name("STOPS")
       ->check(CLI::Range(-100.0, 100.0));
 
-  CLI::App* info = app.add_subcommand("info", "Print a picture's size, channels and attributes");
+  CLI::App* info =
+      app.add_subcommand("info", "Print a picture's size, channels, ranges of linear values and attributes");
   info->add_option("FILE", input, "The picture to describe")->required();
 
   CLI::App* diff = app.add_subcommand(

@@ -18,6 +18,8 @@
 
 namespace raylab {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 void list_accelerators() {
@@ -39,6 +41,26 @@ void write_made_scene(const LoadedScene& loaded, const std::filesystem::path& fi
 void check_all_writable(const RenderCommand& command, const Files& outputs, const std::string& suffix) {
   for (const auto& file : outputs) check_writable_image(with_suffix(file, suffix));
   if (!command.stats_file.empty()) check_writable(with_suffix(command.stats_file, suffix));
+}
+
+/// Throws where a file is to be written twice, or over one that the scene is read from.
+void check_distinct(const RenderCommand& command, const Files& outputs, const std::string& suffix, const Files& read) {
+  Files written;
+  for (const auto& file : outputs) written.push_back(with_suffix(file, suffix));
+  if (!command.stats_file.empty()) written.push_back(with_suffix(command.stats_file, suffix));
+  const auto is_same = [](const fs::path& a, const fs::path& b) {
+    std::error_code none;  // of files, one of which is not there
+    return fs::weakly_canonical(a, none) == fs::weakly_canonical(b, none) || fs::equivalent(a, b, none);
+  };
+  for (auto file = written.begin(); file != written.end(); ++file) {
+    if (std::any_of(written.begin(), file, [&](const auto& other) { return is_same(*file, other); })) {
+      throw Error(ErrorKind::usage, file->string(), "would be written twice: each output needs a name of its own");
+    }
+    if (std::any_of(read.begin(), read.end(), [&](const auto& other) { return is_same(*file, other); })) {
+      throw Error(ErrorKind::usage, file->string(),
+                  "is read by the scene, and would be written over; -o names another");
+    }
+  }
 }
 
 int render(const RenderCommand& command) {
@@ -77,10 +99,11 @@ int render(const RenderCommand& command) {
     if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
   }
   if (command.check) {
-    std::fputs(check_text(loaded, load_seconds).c_str(), stdout);
+    std::fputs(check_text(loaded, session_options(command, loaded), load_seconds).c_str(), stdout);
     return 0;
   }
   const std::vector<Shot> shots = shots_of(command, loaded);
+  for (const Shot& shot : shots) check_distinct(command, outputs, shot.suffix, loaded.files);
   if (!one_picture) {
     for (const Shot& shot : shots) check_all_writable(command, outputs, shot.suffix);
   }

@@ -27,8 +27,13 @@ std::string scene_text(const LoadedScene& loaded, double load_seconds) {
 
 }  // namespace
 
-std::string check_text(const LoadedScene& loaded, double load_seconds) {
+std::string check_text(const LoadedScene& loaded, const RenderOptions& options, double load_seconds) {
   std::string text = scene_text(loaded, load_seconds);
+  const std::size_t film =
+      Film::kWords * 4 * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
+  text +=
+      format("film       %d x %d pixels, %.1f MiB, which with the scene and the accelerator is what a render takes\n",
+             options.width, options.height, mebibytes(film));
   text += "materials\n";
   for (const std::string& note : loaded.notes) text += "  " + note + "\n";
   text += "needs\n";

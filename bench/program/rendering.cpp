@@ -43,7 +43,7 @@ std::uint64_t hash_of_start(const Scene& scene, const Accelerator& accelerator, 
   RenderSession session(scene, accelerator, options);
   session.run();
   std::uint64_t hash = 0;
-  for (const Rgb& pixel : session.snapshot().image().pixels) {
+  for (const Rgb& pixel : session.film().image().pixels) {
     for (int c = 0; c < 3; ++c)
       hash = mix_bits((hash + 0x9e3779b97f4a7c15ull) ^ std::bit_cast<std::uint32_t>(pixel[c]));
   }
@@ -64,7 +64,7 @@ Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accele
   const double cpu_seconds = cpu.seconds();
   suite.advance(work_of(options));
   const RenderStats stats = session.stats();
-  const Film film = session.snapshot();
+  const Film& film = session.film();
   return {film.image(), stats.seconds, cpu_seconds, stats.rays, film.estimated_relmse()};
 }
 
