@@ -312,6 +312,27 @@ TEST_CASE("a render stops at a time or an error, and says what was reached", "[c
   small.expect_failure(2, {"--target-error"}, {"--target-error", "-1"});
 }
 
+TEST_CASE("a picture that cannot be written at the end is kept, and the next run goes on from it", "[cli][film]") {
+  const SmallScene small;
+  const std::string folder = (small / "sub").string(), output = folder + "/out.exr",
+                    kept = small.path().string() + "/tmp";
+  fs::create_directory(folder);
+  fs::create_directory(kept);
+  // The folder goes away while it renders, as a disk that fills or a share that is unmounted does.
+  const ProgramResult result =
+      run_program("/bin/sh", {"-c", "export TMPDIR=\"$0\"; \"$@\" & sleep 0.2; rm -r \"" + folder + "\"; wait $!", kept,
+                              kProgram, small.scene, "-o", output, "--spp", "1000000000", "--time-limit", "0.5s"});
+  CHECK(result.exit_code == 4);
+  const std::string checkpoint = kept + "/out.exr.checkpoint.exr";
+  CHECK(contains(result.err, "the render is kept in " + checkpoint));
+  fs::create_directory(folder);
+  fs::copy(checkpoint, output + ".checkpoint.exr");
+  const ProgramResult resumed =
+      render(small, {"-o", output, "--spp", "1000000000", "--resume", "--time-limit", "0.05s"});
+  expect_success(resumed);
+  CHECK(contains(resumed.out, "resumed    " + output + ".checkpoint.exr with"));
+}
+
 TEST_CASE("ranges of samples that make no part are refused, and the option that was", "[cli][film]") {
   const SmallScene small;
   for (const char* samples : {"5", "5:5", "6:5", ":5", "5:", "-1:5", "0:4294967296", "0:5x"}) {
@@ -319,6 +340,10 @@ TEST_CASE("ranges of samples that make no part are refused, and the option that 
   }
   small.expect_failure(2, {"--samples", "0:9 goes beyond the 8 samples of --spp"}, {"--samples", "0:9", "--spp", "8"});
   small.expect_failure(2, {"--first-sample", "--samples A:B"}, {"--first-sample", "4"});
+  const ProgramResult png = render(small, {"-o", (small / "a.png").string(), "--samples", "0:4"});
+  CHECK(png.exit_code == 2);
+  CHECK(contains(png.err, "--samples: a part of a picture is kept in an EXR file"));
+  CHECK(contains(render(small, {"-o", (small / "a.png").string(), "--film"}).err, "--film: nothing is written of it"));
 }
 
 TEST_CASE("a picture that half cannot hold is written in float, which is said once", "[cli][film]") {

@@ -38,6 +38,8 @@ void write_made_scene(const LoadedScene& loaded, const std::filesystem::path& fi
   out.commit();
 }
 
+bool is_exr_file(const fs::path& file) { return lowercase_ending(file) == ".exr"; }
+
 void check_all_writable(const RenderCommand& command, const Files& outputs, const std::string& suffix) {
   for (const auto& file : outputs) check_writable_image(with_suffix(file, suffix));
   if (!command.stats_file.empty()) check_writable(with_suffix(command.stats_file, suffix));
@@ -84,6 +86,11 @@ int render(const RenderCommand& command) {
   const bool one_picture = !command.views && !command.fly;
   if (!command.check && one_picture) check_all_writable(command, outputs, "");
 
+  if (command.samples && std::none_of(outputs.begin(), outputs.end(), is_exr_file)) {
+    throw Error(ErrorKind::usage, "--samples", "a part of a picture is kept in an EXR file, and -o names none");
+  }
+
+  const QuestionGuard question;  // from here on, as one that comes early must not end the program
   const ThreadLimit limit(command.threads);
   const Stopwatch load_watch;
   LoadOptions load_options = command.load_options();
@@ -110,10 +117,11 @@ int render(const RenderCommand& command) {
 
   const auto accelerator = make_accelerator(command.accel, loaded.scene.geometry, accel_options);
   const Job job{command, loaded, *accelerator, load_seconds};
-  const bool is_exr =
-      std::any_of(outputs.begin(), outputs.end(), [](const auto& file) { return lowercase_ending(file) == ".exr"; });
-  if (!command.layers.empty() && !is_exr) {
-    job.warn("--layers: nothing is written of them, as only EXR files hold layers and none is asked for");
+  if (std::none_of(outputs.begin(), outputs.end(), is_exr_file)) {
+    if (!command.layers.empty()) {
+      job.warn("--layers: nothing is written of them, as only EXR files hold layers and none is asked for");
+    }
+    if (command.film) job.warn("--film: nothing is written of it, as only EXR files hold one and none is asked for");
   }
   const InterruptGuard guard;
   for (const Shot& shot : shots) {

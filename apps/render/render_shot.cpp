@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "raylab/core/atomic_file.hpp"
+#include "raylab/core/error.hpp"
 #include "raylab/core/interrupt.hpp"
 #include "raylab/core/progress.hpp"
 #include "raylab/core/text.hpp"
@@ -44,18 +45,19 @@ std::vector<Layer> feature_layers(const Job& job, const RenderOptions& options) 
 }
 
 Attributes make_attributes(const RenderReport& r) {
-  return {{"raylab.version", RAYLAB_VERSION},
-          {"raylab.command", r.command.command_line},
-          {"raylab.sceneHash", format("%016" PRIx64, r.loaded.hash)},
-          {"raylab.seed", std::to_string(r.options.seed)},
-          {"raylab.firstSample", std::to_string(r.options.first_sample)},
-          {"raylab.samplesPerPixel", std::to_string(r.options.samples_per_pixel)},
-          {"raylab.samplesTaken", format("%u to %u", r.taken.first, r.taken.end)},
-          {"raylab.stoppedBy", r.stopped_by},
-          {"raylab.accelerator", r.command.accel},
-          {"raylab.seconds", std::to_string(r.stats.seconds + r.seconds_before)},
-          {"raylab.estimatedRelmse", std::to_string(r.estimated_relmse)},
-          {"raylab.partial", r.partial ? "true" : "false"}};
+  Attributes attributes{{"raylab.version", RAYLAB_VERSION},
+                        {"raylab.command", r.command.command_line},
+                        {"raylab.sceneHash", format("%016" PRIx64, r.loaded.hash)},
+                        {"raylab.seed", std::to_string(r.options.seed)},
+                        {"raylab.firstSample", std::to_string(r.options.first_sample)},
+                        {"raylab.samplesPerPixel", std::to_string(r.options.samples_per_pixel)},
+                        {"raylab.stoppedBy", r.stopped_by},
+                        {"raylab.accelerator", r.command.accel},
+                        {"raylab.seconds", std::to_string(r.stats.seconds + r.seconds_before)},
+                        {"raylab.estimatedRelmse", std::to_string(r.estimated_relmse)},
+                        {"raylab.partial", r.partial ? "true" : "false"}};
+  if (r.taken.end > 0) attributes["raylab.samplesTaken"] = format("%u to %u", r.taken.first, r.taken.end);
+  return attributes;
 }
 
 /// The fewest and the most samples taken of a pixel that is rendered.
@@ -87,22 +89,28 @@ class ShotRender {
     for (const std::string& warning : warnings) job_.warn(warning);
     wait(session);
     // Before the pictures: it holds all that they are made of.
-    if (interrupted()) write_checkpoint(session);
+    if (interrupted()) keep(session);
     const Film& film = session.film();
     const RenderReport report = report_of(session, stopped_by_, film.estimated_relmse(), taken_of(film, options_));
     if (!report.partial && warnings.empty() && is_black(film)) {
       job_.warn("the picture is black: no light reaches what the camera sees");
     }
-    write_outputs(session, report, as_float(film));
-    if (stats_file_) {
-      AtomicFile file(*stats_file_);
-      file.stream() << report_json(report);
-      file.commit();
+    try {
+      write_outputs(session, report, as_float(film));
+      if (stats_file_) {
+        AtomicFile file(*stats_file_);
+        file.stream() << report_json(report);
+        file.commit();
+      }
+    } catch (const Error&) {
+      if (!interrupted()) keep(session);
+      throw;
     }
     if (!job_.command.quiet) say(report);
+    if (interrupted()) return false;
     std::error_code ignored;
-    if (!interrupted()) std::filesystem::remove(checkpoint_, ignored);
-    return !interrupted();
+    std::filesystem::remove(checkpoint_, ignored);
+    return true;
   }
 
  private:
@@ -150,7 +158,7 @@ class ShotRender {
       checkpoints.write_every(
           checkpoint_interval(job_.command, progress.expected_seconds(done), checkpoints.last_seconds()));
       if (job_.command.write_every) pictures.write_every(*job_.command.write_every);
-      if (InterruptGuard::state_wanted()) progress.say(done);
+      if (QuestionGuard::asked()) progress.say(done);
       if (!stopped_by_.empty()) continue;
       if (InterruptGuard::interrupted()) stopped_by_ = "interrupt";
       if (job_.command.time_limit && watch.seconds() >= *job_.command.time_limit) stopped_by_ = "--time-limit";
@@ -174,6 +182,28 @@ class ShotRender {
 
   void write_checkpoint(const RenderSession& session) const {
     write_film_picture(checkpoint_, picture_of(session, report_so_far(session)));
+  }
+
+  /// Writes the checkpoint where it belongs or, where that cannot be, among the system's temporary files, and says so.
+  void keep(const RenderSession& session) {
+    const std::filesystem::path usual = checkpoint_;
+    try {
+      write_checkpoint(session);
+    } catch (const Error& e) {
+      job_.warn(e.what());
+      std::error_code none;
+      checkpoint_ = std::filesystem::temp_directory_path(none) / usual.filename();
+      try {
+        write_checkpoint(session);
+      } catch (const Error& second) {
+        job_.warn(second.what());
+        checkpoint_.clear();
+        return;
+      }
+      job_.warn("so the render is kept in " + checkpoint_.string() + ": as " + usual.string() + " --resume takes it");
+      return;
+    }
+    if (!interrupted()) job_.warn("the render is kept in " + checkpoint_.string() + ": --resume goes on from it");
   }
 
   void write_outputs(const RenderSession& session, const RenderReport& report, bool as_float) const {
@@ -227,7 +257,8 @@ class ShotRender {
     for (const auto& file : outputs_) {
       std::printf("wrote      %s%s\n", file.c_str(), report.partial ? " (partial: interrupted)" : "");
     }
-    if (interrupted()) std::printf("checkpoint %s; --resume goes on from it\n", checkpoint_.c_str());
+    if (interrupted() && !checkpoint_.empty())
+      std::printf("checkpoint %s; --resume goes on from it\n", checkpoint_.c_str());
   }
 
   const Job& job_;

@@ -154,7 +154,8 @@ void write_two_parts(Imf::OStream& stream, const detail::PictureRows& picture, I
                      RowChannels& channels, const detail::WordRows& words) {
   header.setName("picture");
   header.setType(Imf::SCANLINEIMAGE);
-  // Uncompressed: it is read and written as fast as the disk, and sums have little to compress but their zeros.
+  // Uncompressed: both are read and written as fast as the disk, and sums have little to compress but their zeros.
+  header.compression() = Imf::NO_COMPRESSION;
   Imf::Header second = header_of(picture.width, picture.height, Imf::NO_COMPRESSION, words.attributes);
   second.setName(words.name);
   second.setType(Imf::SCANLINEIMAGE);

@@ -8,7 +8,7 @@ inline constexpr int kInterrupted = 130;
 
 /// While it lives, Ctrl-C, SIGTERM and SIGHUP, where it was not ignored, ask the program to stop instead of ending it.
 /// The third one ends it at once: `timeout` and job schedulers signal both the process and its group, so two signals
-/// are one wish. SIGUSR1 asks it to say how far it is.
+/// are one wish.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -18,11 +18,23 @@ class InterruptGuard {
 
   static bool interrupted();
 
-  /// Whether SIGUSR1 has come since this was asked last.
-  static bool state_wanted();
+ private:
+  struct sigaction old_int_, old_term_, old_hup_;
+};
+
+/// While it lives, SIGUSR1, which would end the program, asks it to say how far it is.
+class QuestionGuard {
+ public:
+  QuestionGuard();
+  ~QuestionGuard();
+  QuestionGuard(const QuestionGuard&) = delete;
+  QuestionGuard& operator=(const QuestionGuard&) = delete;
+
+  /// Whether it has come since this was asked last.
+  static bool asked();
 
  private:
-  struct sigaction old_int_, old_term_, old_hup_, old_usr1_;
+  struct sigaction old_;
 };
 
 }  // namespace raylab
