@@ -79,6 +79,22 @@ TEST_CASE("a film file holds the film to the bit, and any reader sees its pictur
   expect_refused(folder / "b.exr", {"is a picture without a film"});
 }
 
+TEST_CASE("a film file says of how many samples its pixels are, those without any too", "[unit][image]") {
+  const TempFolder folder;
+  Film film(2, 2);
+  for (int i = 0; i < 3; ++i) film.add(0, 0, Rgb(1.0f));
+  film.drop(1, 1, 5);
+  FilmPicture picture = picture_of(film);
+  const auto taken = [&](std::uint64_t pixels) {
+    picture.film->pixels = pixels;
+    write_film_picture(folder / "a.exr", picture);
+    Film back(2, 2);
+    return FilmFile(folder / "a.exr").add_to(back);
+  };
+  CHECK(taken(2) == SampleRange{3, 5});  // of a crop
+  CHECK(taken(4) == SampleRange{0, 5});
+}
+
 TEST_CASE("a picture written by rows is that of the whole film, in every format", "[unit][image]") {
   const TempFolder folder;
   const Film film = random_film(2);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "file_size_limit.hpp"
 #include "raylab/image/image_file.hpp"
 #include "raylab/image/metrics.hpp"
 #include "small_scene.hpp"
@@ -132,6 +133,12 @@ TEST_CASE("the check option says how the scene was understood and writes nothing
     CHECK(result.out.find(part) != std::string::npos);
   }
   CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("what cannot be printed is not taken for done", "[cli]") {
+  const FileSizeLimit limit(3);  // of standard output too
+  CHECK(raylab_render({kCornell, "--check"}).exit_code == 4);
+  CHECK(raylab_render({"--list-accels"}).exit_code == 4);
 }
 
 TEST_CASE("a wrong command line exits with 2 and names the option", "[cli]") {

@@ -385,6 +385,20 @@ TEST_CASE("a target of error ends the render at a pass, at the same one from whe
     second.run();
     CHECK(second.film() == session.film());
   }
+  // Pixels that have gone on say that the error was too large at the pass before, whatever it is now.
+  RenderOptions part = options;
+  part.samples_per_pixel = taken - 16;
+  part.target_error.reset();
+  RenderSession first(scene, *accelerator, part);
+  first.run();
+  part.samples_per_pixel = taken;
+  part.crop = PixelRect{0, 0, options.width, options.height - 1};
+  RenderSession most(scene, *accelerator, part, first.film());
+  most.run();
+  CHECK(most.film().estimated_relmse() <= 0.02);
+  RenderSession last(scene, *accelerator, options, most.film());
+  last.run();
+  CHECK(last.film() == session.film());
 }
 
 TEST_CASE("snapshots taken while rendering only ever grow", "[unit][session]") {

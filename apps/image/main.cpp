@@ -86,9 +86,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   return raylab::run_and_tell("raylab-image", [&] {
     const int exit_code = run(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      throw Error(ErrorKind::output, "standard output", "cannot be written");
-    }
+    raylab::check_printed();
     return exit_code;
   });
 }

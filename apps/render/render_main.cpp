@@ -68,6 +68,7 @@ void check_distinct(const RenderCommand& command, const Files& outputs, const st
 int render(const RenderCommand& command) {
   if (command.list_accels) {
     list_accelerators();
+    check_printed();
     return 0;
   }
   Files outputs(command.outputs.begin(), command.outputs.end());
@@ -107,6 +108,7 @@ int render(const RenderCommand& command) {
   }
   if (command.check) {
     std::fputs(check_text(loaded, session_options(command, loaded), load_seconds).c_str(), stdout);
+    check_printed();
     return 0;
   }
   const std::vector<Shot> shots = shots_of(command, loaded);

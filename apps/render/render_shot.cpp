@@ -149,7 +149,7 @@ class ShotRender {
     Progress progress(job_.command.progress, session.progress());
     const auto warn = [this](const std::string& failure) { job_.warn(failure); };
     RepeatedWriter checkpoints([&] { write_checkpoint(session); }, warn);
-    RepeatedWriter pictures([&] { write_outputs(session, report_so_far(session), false); }, warn);
+    RepeatedWriter pictures([&] { write_outputs(session, report_so_far(session), job_.command.exr == "float"); }, warn);
     const Stopwatch watch;
     session.start();
     while (!session.wait_for(0.05)) {

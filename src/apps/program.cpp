@@ -107,4 +107,10 @@ int run_and_tell(const char* program, const std::function<int()>& run) {
   return static_cast<int>(ErrorKind::failure);
 }
 
+void check_printed() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(ErrorKind::output, "standard output", "cannot be written");
+  }
+}
+
 }  // namespace raylab

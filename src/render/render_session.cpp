@@ -149,7 +149,10 @@ void RenderSession::stop() {
 }
 
 void RenderSession::run() {
-  const Stopwatch watch;
+  {
+    const std::lock_guard lock(mutex_);
+    running_.emplace();
+  }
   bool enough = false;
   // Passes end at the same numbers of samples wherever the film began, and with them the target of error.
   for (std::uint32_t done = 0; done < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed);) {
@@ -162,7 +165,8 @@ void RenderSession::run() {
     if (enough) break;
   }
   const std::lock_guard lock(mutex_);
-  stats_.seconds += watch.seconds();
+  stats_.seconds += running_->seconds();
+  running_.reset();
   finished_.store(enough || !stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
 }
 
@@ -260,7 +264,9 @@ Film RenderSession::snapshot_rows(int first, int count) const {
 
 RenderStats RenderSession::stats() const {
   const std::lock_guard lock(mutex_);
-  return stats_;
+  RenderStats stats = stats_;
+  if (running_) stats.seconds += running_->seconds();
+  return stats;
 }
 
 }  // namespace raylab

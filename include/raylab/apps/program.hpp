@@ -19,4 +19,7 @@ bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code);
 /// Runs a program and returns its exit code; what it throws is told on standard error, after the program's name.
 int run_and_tell(const char* program, const std::function<int()>& run);
 
+/// Throws Error (output) where standard output, a full disk for one, has not taken all that was printed.
+void check_printed();
+
 }  // namespace raylab

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "raylab/core/timing.hpp"
 #include "raylab/image/film.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/camera.hpp"
@@ -62,7 +63,7 @@ struct RenderStats {
   std::optional<DroppedSample> first_dropped;  ///< the first in picture order, then sample order
   std::uint64_t too_bright = 0;                ///< samples that the film has clamped to ExactSum::kLargest
   std::uint64_t too_dark = 0;                  ///< samples, not black, of which it keeps little or nothing
-  double seconds = 0.0;                        ///< wall clock spent rendering
+  double seconds = 0.0;                        ///< wall clock spent rendering so far
 
   void add(const RenderStats& other);
 };
@@ -132,6 +133,7 @@ class RenderSession {
   mutable std::mutex mutex_;  // guards film_ and stats_
   Film film_;
   RenderStats stats_;
+  std::optional<Stopwatch> running_;  // guarded by mutex_
   std::atomic<std::uint64_t> samples_taken_{0};
   std::atomic<bool> stop_{false};
   std::atomic<bool> finished_{false};
