@@ -100,6 +100,18 @@ TEST_CASE("raylab-image convert keeps attributes and leaves layers out", "[cli][
   CHECK(read_exr(folder / "c.exr").at(0, 0) == Rgb(2.0f));
 }
 
+TEST_CASE("raylab-image convert writes floats where half would lose values", "[cli][image]") {
+  const Pictures folder;
+  const ProgramResult bright =
+      raylab_image({"convert", folder.name("a.exr"), folder.name("c.exr"), "--exposure", "20"});
+  CHECK(bright.exit_code == 0);
+  CHECK(bright.err.find("c.exr holds floats") != std::string::npos);
+  CHECK(read_exr(folder / "c.exr").at(0, 0) == Rgb(0x1p20f));
+  const ProgramResult back = raylab_image({"convert", folder.name("c.exr"), folder.name("d.exr"), "--exposure", "-50"});
+  CHECK(back.exit_code == 0);
+  CHECK(read_exr(folder / "d.exr").at(0, 0) == Rgb(0x1p-30f));
+}
+
 TEST_CASE("raylab-image info describes a picture", "[cli][image]") {
   const Pictures folder;
   const ProgramResult info = raylab_image({"info", folder.name("a.exr")});

@@ -40,7 +40,12 @@ void convert(const fs::path& input, const fs::path& output, double exposure_stop
   Image image = read_image(input);
   const auto scale = static_cast<float>(std::exp2(exposure_stops));
   for (Rgb& pixel : image.pixels) pixel *= scale;
-  write_image(output, image, {}, read_image_info(input).attributes);
+  const bool as_float = lowercase_ending(output) == ".exr" && !fits_half(image);
+  if (as_float) {
+    std::fprintf(stderr, "raylab-image: warning: %s holds floats, as half would lose values beyond 65504 or near 0\n",
+                 output.c_str());
+  }
+  write_image(output, image, {}, read_image_info(input).attributes, as_float);
 }
 
 namespace {

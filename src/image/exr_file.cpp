@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "exr_header.hpp"
@@ -201,9 +202,22 @@ void detail::write_exr(const fs::path& file, const PictureRows& picture, const A
   output.commit();
 }
 
-void write_exr(const fs::path& file, const Image& image, const std::vector<Layer>& layers,
-               const Attributes& attributes) {
-  detail::write_exr(file, detail::rows_of(image, layers), attributes, nullptr);
+void write_exr(const fs::path& file, const Image& image, const std::vector<Layer>& layers, const Attributes& attributes,
+               bool as_float) {
+  detail::PictureRows rows = detail::rows_of(image, layers);
+  rows.as_float = as_float;
+  detail::write_exr(file, rows, attributes, nullptr);
+}
+
+bool detail::fits_half(const Rgb& color) {
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(color[c]) > 65504.0f || (color[c] != 0.0f && half(color[c]) == 0.0f)) return false;
+  }
+  return true;
+}
+
+bool fits_half(const Image& image) {
+  return std::all_of(image.pixels.begin(), image.pixels.end(), [](const Rgb& p) { return detail::fits_half(p); });
 }
 
 Image read_exr(const fs::path& file) {

@@ -5,7 +5,6 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
-#include <half.h>
 
 #include <bit>
 #include <charconv>
@@ -206,10 +205,7 @@ std::string settings_difference(const std::map<std::string, std::string>& a, con
 bool fits_half(const Film& film) {
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
-      const Rgb mean = film.mean(x, y);
-      for (int c = 0; c < 3; ++c) {
-        if (mean[c] > 65504.0f || (mean[c] != 0.0f && half(mean[c]) == 0.0f)) return false;
-      }
+      if (!detail::fits_half(film.mean(x, y))) return false;
     }
   }
   return true;

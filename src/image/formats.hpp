@@ -25,6 +25,8 @@ struct PictureRows {
 };
 PictureRows rows_of(const Image& image, const std::vector<Layer>& layers = {});  // which must outlive it
 
+bool fits_half(const Rgb& color);
+
 /// A second part of an EXR file, of as many pixels.
 struct WordRows {
   std::string name;

@@ -90,10 +90,10 @@ void check_budget(std::int64_t width, std::int64_t height, const fs::path& file,
 }  // namespace detail
 
 void write_image(const fs::path& file, const Image& image, const std::vector<Layer>& layers,
-                 const Attributes& attributes) {
+                 const Attributes& attributes, bool as_float) {
   switch (detail::output_format(file)) {
     case detail::Format::exr:
-      return write_exr(file, image, layers, attributes);
+      return write_exr(file, image, layers, attributes, as_float);
     case detail::Format::png:
       return write_png(file, image);
   }

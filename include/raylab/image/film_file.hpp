@@ -62,7 +62,7 @@ struct FilmPicture {
 /// that checks the others of its pixel; its attributes are what FilmInfo has.
 void write_film_picture(const std::filesystem::path& file, FilmPicture picture);
 
-/// Whether half holds all values of a picture: none beyond 65504, none that is not zero rounded to zero.
+/// The same of the picture of a film.
 bool fits_half(const Film& film);
 
 /// A film file that is open for reading.

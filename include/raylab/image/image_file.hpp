@@ -24,11 +24,14 @@ struct Layer {
 /// Texts stored beside the picture: EXR header attributes of string type. PNG files carry none.
 using Attributes = std::map<std::string, std::string>;
 
-/// Writes R, G, B, A (A = 1) as half, and the layers, to an EXR file. Values beyond half's range are clamped to
-/// it. Written beside and renamed: an existing file stays as it was if anything fails.
+/// Writes R, G, B, A (A = 1) as half, or as float, and the layers, to an EXR file. Values beyond half's range are
+/// clamped to it. Written beside and renamed: an existing file stays as it was if anything fails.
 /// Throws Error (output).
 void write_exr(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
-               const Attributes& attributes = {});
+               const Attributes& attributes = {}, bool as_float = false);
+
+/// Whether half holds a picture's values: none beyond 65504, none that is not zero rounded to zero.
+bool fits_half(const Image& image);
 
 /// Writes an 8-bit PNG with the sRGB curve, rounding to nearest. Beside and renamed. Throws Error (output).
 void write_png(const std::filesystem::path& file, const Image& image);
@@ -39,7 +42,7 @@ std::string lowercase_ending(const std::filesystem::path& file);
 /// By the file's ending, .exr or .png, any case; layers and attributes go to EXR only. Throws Error (usage) for
 /// another ending.
 void write_image(const std::filesystem::path& file, const Image& image, const std::vector<Layer>& layers = {},
-                 const Attributes& attributes = {});
+                 const Attributes& attributes = {}, bool as_float = false);
 
 /// Throws Error (usage) when write_image would refuse the name, and Error (output) when its folder is missing or
 /// cannot be written: asked before a render starts, not after.
