@@ -62,7 +62,6 @@ int run(int argc, char** argv) {
       ->required()
       ->type_name("OUT");
   merge->add_option("--exr", exr, "Values of an EXR picture (default: half, and float where half would lose some)")
-      ->type_name("{half,float}")
       ->check(CLI::IsMember({"half", "float"}));
 
   std::vector<std::string> layers;

@@ -122,7 +122,6 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--exr", command.exr,
                  "Values of EXR pictures: half or float (default: half, and float where half would lose values "
                  "beyond 65504 or near 0)")
-      ->type_name("{half,float}")
       ->check(CLI::IsMember({"half", "float"}));
   app.add_option("--tile-size", command.tile_size, "Tile size in pixels; changes no result")
       ->check(CLI::Range(1, 4096))

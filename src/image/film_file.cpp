@@ -7,11 +7,10 @@
 #include <OpenEXR/ImfPartType.h>
 
 #include <bit>
-#include <charconv>
-#include <cinttypes>
 #include <cstring>
 
 #include "exr_header.hpp"
+#include "film_info.hpp"
 #include "raylab/core/check.hpp"
 
 namespace raylab {
@@ -23,16 +22,6 @@ static_assert(std::endian::native == std::endian::little, "rows of films are rea
 namespace {
 
 constexpr const char* kPartName = "film";
-constexpr const char* kFormat = "raylab.filmVersion";
-constexpr const char* kFormatVersion = "1";
-constexpr const char* kPictureHash = "raylab.pictureHash";
-constexpr const char* kSamples = "raylab.samples";
-constexpr const char* kWanted = "raylab.samplesWanted";
-constexpr const char* kPixels = "raylab.pixels";
-constexpr const char* kSeconds = "raylab.seconds";
-constexpr const char* kHeaderHash = "raylab.headerHash";
-const std::string kSetting = "raylab.setting.";
-
 /// In the order of Film::row_words(), which is that of the names; the last checks the others.
 std::vector<std::string> channel_names() {
   std::vector<std::string> names{"kept"};
@@ -48,20 +37,6 @@ std::vector<std::string> channel_names() {
 }
 constexpr std::size_t kChannels = Film::kWords + 1;
 
-std::uint64_t hash_of(const std::map<std::string, std::string>& texts) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](const std::string& text) {
-    for (const char c : text + '\0') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  };
-  for (const auto& [name, value] : texts) {
-    add(name);
-    add(value);
-  }
-  return hash;
-}
-
-std::string hex(std::uint64_t value) { return format("%016" PRIx64, value); }
-
 /// A polynomial of the words of each pixel, odd at each step, so that no change of one word goes unseen; it begins
 /// with the file's header and the pixel's place.
 void checks_of(const std::uint32_t* words, std::size_t width, int y, std::uint32_t seed, std::uint32_t* checks) {
@@ -75,68 +50,6 @@ void checks_of(const std::uint32_t* words, std::size_t width, int y, std::uint32
       checks[x] = mixed * kStep + words[k * width + x];
     }
   }
-}
-
-/// The film's part of a header, with its hash.
-Attributes attributes_of(const FilmInfo& info, int width, int height) {
-  Attributes attributes{{kFormat, kFormatVersion},
-                        {kPictureHash, hex(picture_hash(info.settings))},
-                        {kWanted, std::to_string(info.wanted)},
-                        {kPixels, std::to_string(info.pixels)},
-                        {kSeconds, format("%.17g", info.seconds)}};
-  for (const SampleRange& range : info.ranges) {
-    attributes[kSamples] += (attributes[kSamples].empty() ? "" : " ") + to_string(range);
-  }
-  for (const auto& [name, value] : info.settings) attributes[kSetting + name] = value;
-  Attributes hashed = attributes;
-  hashed["size"] = std::to_string(width) + "x" + std::to_string(height);
-  attributes[kHeaderHash] = hex(hash_of(hashed));
-  return attributes;
-}
-
-template <class Number>
-bool take_number(std::string_view& text, Number& number) {
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
-  return error == std::errc();
-}
-
-/// "0:16 32:48", in order and apart.
-bool parse_ranges(std::string_view text, std::vector<SampleRange>& ranges) {
-  while (true) {
-    SampleRange range;
-    if (!take_number(text, range.first) || !text.starts_with(':')) return false;
-    text.remove_prefix(1);
-    if (!take_number(text, range.end) || range.first >= range.end) return false;
-    if (!ranges.empty() && range.first < ranges.back().end) return false;
-    ranges.push_back(range);
-    if (text.empty()) return true;
-    if (!text.starts_with(' ')) return false;
-    text.remove_prefix(1);
-  }
-}
-
-/// The inverse of attributes_of. Throws std::exception where it is none.
-FilmInfo info_of(const Attributes& attributes, int width, int height) {
-  FilmInfo info;
-  const auto text = [&](const char* name) {
-    const auto found = attributes.find(name);
-    return found == attributes.end() ? std::string_view() : std::string_view(found->second);
-  };
-  if (text(kFormat) != kFormatVersion) {
-    throw Iex::InputExc("the film is of format version " + std::string(text(kFormat)) + ", and this program reads " +
-                        kFormatVersion);
-  }
-  for (const auto& [name, value] : attributes) {
-    if (name.starts_with(kSetting)) info.settings[name.substr(kSetting.size())] = value;
-  }
-  std::string_view wanted = text(kWanted), pixels = text(kPixels), seconds = text(kSeconds);
-  const bool is_readable = parse_ranges(text(kSamples), info.ranges) && take_number(wanted, info.wanted) &&
-                           take_number(pixels, info.pixels) && take_number(seconds, info.seconds);
-  if (!is_readable || attributes_of(info, width, height) != attributes) {
-    throw Iex::InputExc("the header of its film is damaged");
-  }
-  return info;
 }
 
 /// Throws where the headers are not those of a film file.
@@ -179,29 +92,6 @@ void check_headers(const std::vector<Imf::Header>& headers, const fs::path& file
 
 }  // namespace
 
-std::string to_string(const SampleRange& range) {
-  return std::to_string(range.first) + ":" + std::to_string(range.end);
-}
-
-std::uint64_t picture_hash(const std::map<std::string, std::string>& settings) { return hash_of(settings); }
-
-std::string settings_difference(const std::map<std::string, std::string>& a, const std::string& name_a,
-                                const std::map<std::string, std::string>& b, const std::string& name_b) {
-  std::map<std::string, std::string> all = a;
-  all.insert(b.begin(), b.end());
-  const auto value = [](const auto& settings, const std::string& name) {
-    const auto found = settings.find(name);
-    return found == settings.end() ? std::string("not said") : found->second;
-  };
-  std::string text;
-  for (const auto& [name, ignored] : all) {
-    const std::string in_a = value(a, name), in_b = value(b, name);
-    if (in_a == in_b) continue;
-    text += (text.empty() ? "" : "; ") + name + " is " + in_a + " " + name_a + " and " + in_b + " " + name_b;
-  }
-  return text;
-}
-
 bool fits_half(const Film& film) {
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
@@ -243,8 +133,9 @@ void write_film_picture(const fs::path& file, FilmPicture picture) {
   };
   if (is_png) return detail::write_png(file, rows);
   if (!picture.film) return detail::write_exr(file, rows, picture.attributes, nullptr);
-  detail::WordRows words{kPartName, attributes_of(*picture.film, picture.width, picture.height), channel_names(), {}};
-  const auto seed = static_cast<std::uint32_t>(hash_of(words.attributes));
+  detail::WordRows words{
+      kPartName, detail::attributes_of(*picture.film, picture.width, picture.height), channel_names(), {}};
+  const auto seed = static_cast<std::uint32_t>(detail::hash_of(words.attributes));
   words.fill = [&](int y, std::uint32_t* row) {
     const auto width = static_cast<std::size_t>(picture.width);
     block->row_words(y - block_first, row);
@@ -272,8 +163,8 @@ FilmFile::FilmFile(const fs::path& file) : file_(file) {
     for (const auto& [name, value] : attributes) {
       if (name.starts_with("raylab.")) own[name] = value;
     }
-    info_ = info_of(own, width_, height_);
-    check_seed_ = static_cast<std::uint32_t>(hash_of(own));
+    info_ = detail::info_of(own, width_, height_, file);
+    check_seed_ = static_cast<std::uint32_t>(detail::hash_of(own));
     attributes_ = detail::string_attributes(headers[0]);
     for (const char* of_many_parts : {"name", "type"}) attributes_.erase(of_many_parts);
     exr_ = std::make_unique<Exr>(file);
