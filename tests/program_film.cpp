@@ -231,7 +231,7 @@ TEST_CASE("a film of another picture is refused, resumed or merged, with what di
 TEST_CASE("overlaps and damage are refused when films are merged, and gaps are said", "[cli][film]") {
   const SmallScene small;
   const auto part = [&](const char* samples, std::vector<std::string> more = {}) {
-    const std::string file = (small / (std::string(samples) + ".exr")).string();
+    std::string file = (small / (std::string(samples) + ".exr")).string();
     more.insert(more.end(), {"-o", file, "--samples", samples});
     expect_success(render(small, more));
     return file;

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -23,7 +24,7 @@ namespace {
   throw Error(ErrorKind::output, file.string(), "cannot be written: " + reason);
 }
 
-const std::string kPrefix = ".raylab-", kEnding = ".tmp";
+constexpr const char *kPrefix = ".raylab-", *kEnding = ".tmp";
 
 /// Removes what killed processes have left in a folder: files that no one has locked, nor written to for a while, as
 /// not every file system of a cluster locks.
@@ -48,7 +49,7 @@ void sweep(const fs::path& folder) {
 int create_temporary(const fs::path& folder, const fs::path& file, fs::path& name) {
   static std::atomic<unsigned> counter{0};
   for (;;) {
-    name = folder / (kPrefix + std::to_string(getpid()) + "-" + std::to_string(counter++) + kEnding);
+    name = folder / format("%s%d-%u%s", kPrefix, getpid(), counter++, kEnding);
     const int descriptor = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
       flock(descriptor, LOCK_EX | LOCK_NB);

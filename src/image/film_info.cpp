@@ -64,7 +64,8 @@ std::string settings_difference(const std::map<std::string, std::string>& a, con
   for (const auto& [name, ignored] : all) {
     const std::string in_a = value(a, name), in_b = value(b, name);
     if (in_a == in_b) continue;
-    text += (text.empty() ? "" : "; ") + name + " is " + in_a + " " + name_a + " and " + in_b + " " + name_b;
+    if (!text.empty()) text += "; ";
+    text += format("%s is %s %s and %s %s", name.c_str(), in_a.c_str(), name_a.c_str(), in_b.c_str(), name_b.c_str());
   }
   return text;
 }
