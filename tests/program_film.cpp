@@ -182,7 +182,8 @@ TEST_CASE("a film is brought to more samples by --resume", "[cli][film]") {
   const SmallScene small;
   const std::string output = (small / "out.exr").string(), whole = (small / "whole.exr").string();
   expect_success(render(small, {"-o", output, "--spp", "5", "--film"}));
-  const ProgramResult more = render(small, {"-o", output, "--spp", "12", "--film", "--resume"});
+  const std::string png = (small / "out.png").string();
+  const ProgramResult more = render(small, {"-o", png, "-o", output, "--spp", "12", "--film", "--resume"});
   expect_success(more);
   CHECK(contains(more.out, "resumed    " + output + " with 5 to 5 of 12 samples a pixel"));
   expect_success(render(small, {"-o", whole, "--spp", "12", "--film"}));

@@ -129,7 +129,7 @@ class ShotRender {
       }
       return std::nullopt;
     }
-    std::optional<ResumedFilm> resumed = resumed_film(outputs_.front(), info_);
+    std::optional<ResumedFilm> resumed = resumed_film(outputs_, info_);
     if (!job_.command.quiet) {
       if (resumed) {
         std::printf("resumed    %s with %u to %u of %u samples a pixel\n", resumed->file.c_str(), resumed->taken.first,

@@ -54,10 +54,13 @@ fs::path checkpoint_of(const fs::path& output) {
   return file;
 }
 
-std::optional<ResumedFilm> resumed_film(const fs::path& output, const FilmInfo& wanted) {
-  fs::path from = checkpoint_of(output);
-  if (!fs::exists(from)) from = output;
-  if (!fs::exists(from) || (from == output && !FilmFile::is_one(from))) return std::nullopt;
+std::optional<ResumedFilm> resumed_film(const std::vector<fs::path>& outputs, const FilmInfo& wanted) {
+  fs::path from = checkpoint_of(outputs.front());
+  if (!fs::exists(from)) {
+    const auto output = std::find_if(outputs.begin(), outputs.end(), FilmFile::is_one);
+    if (output == outputs.end()) return std::nullopt;
+    from = *output;
+  }
   FilmFile file(from);
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorKind::input, from.string(), "--resume cannot go on from it: " + why);

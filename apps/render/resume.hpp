@@ -15,7 +15,7 @@ namespace raylab {
 /// All that determines the picture, and the samples that are to be taken of it.
 FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options);
 
-/// Where a render's checkpoint is kept: "a.exr" has "a.exr.checkpoint.exr".
+/// Where the checkpoint of a render with this first output is kept: "a.exr" has "a.exr.checkpoint.exr".
 std::filesystem::path checkpoint_of(const std::filesystem::path& output);
 
 /// A film to go on from, and where it came from.
@@ -26,9 +26,9 @@ struct ResumedFilm {
   double seconds;     ///< that it took
 };
 
-/// With --resume the film of the checkpoint or, where there is none, of the output. Nothing where neither has one.
-/// Throws Error (input) where it is of another picture, naming the difference, or cannot be gone on from.
-std::optional<ResumedFilm> resumed_film(const std::filesystem::path& output, const FilmInfo& wanted);
+/// With --resume the film of the checkpoint or, where there is none, of the first output with one. Nothing where neither
+/// has one. Throws Error (input) where it is of another picture, naming the difference, or cannot be gone on from.
+std::optional<ResumedFilm> resumed_film(const std::vector<std::filesystem::path>& outputs, const FilmInfo& wanted);
 
 /// Writes a file again and again while a render goes on, in a thread of its own, one write at a time.
 class RepeatedWriter {

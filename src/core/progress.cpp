@@ -51,6 +51,7 @@ double Progress::expected_seconds(double fraction) const {
 
 void Progress::say(double fraction) const {
   const double elapsed = watch_.seconds();
+  if (style_ == Style::bar) std::fprintf(stderr, "\r\033[K");
   std::fprintf(stderr, "%5.1f%% after %.0f s", 100.0 * fraction, elapsed);
   if (fraction > done_) std::fprintf(stderr, ", about %.0f s left", expected_seconds(fraction) - elapsed);
   std::fprintf(stderr, "\n");
