@@ -26,8 +26,9 @@ struct ResumedFilm {
   double seconds;     ///< that it took
 };
 
-/// With --resume the film of the checkpoint or, where there is none, of the first output with one. Nothing where neither
-/// has one. Throws Error (input) where it is of another picture, naming the difference, or cannot be gone on from.
+/// With --resume the film of the checkpoint or, where there is none, of the first output with one. Nothing where
+/// neither has one. Throws Error (input) where it is of another picture, naming the difference, or cannot be gone on
+/// from.
 std::optional<ResumedFilm> resumed_film(const std::vector<std::filesystem::path>& outputs, const FilmInfo& wanted);
 
 /// Writes a file again and again while a render goes on, in a thread of its own, one write at a time.
