@@ -122,7 +122,10 @@ void merge(const std::vector<fs::path>& parts, const fs::path& output, const std
   attributes["raylab.partial"] = is_whole ? "false" : "true";
   attributes["raylab.mergedParts"] = std::to_string(parts.size());
   for (const char* of_one_part : {"raylab.samplesTaken", "raylab.stoppedBy"}) attributes.erase(of_one_part);
-  FilmPicture picture{width, height, [&](int first, int count) { return film.rows(first, count); }};
+  FilmPicture picture;
+  picture.width = width;
+  picture.height = height;
+  picture.rows = [&](int first, int count) { return film.rows(first, count); };
   picture.as_float = exr.empty() ? !fits_half(film) : exr == "float";
   picture.attributes = attributes;
   picture.variance = std::find(layers.begin(), layers.end(), "variance") != layers.end();
