@@ -96,8 +96,8 @@ std::string report_text(const RenderReport& r) {
 std::string replay_command(const RenderReport& r) {
   const DroppedSample d = r.stats.first_dropped.value_or(DroppedSample{});
   std::string command = r.command.command_line;
-  return command + format(" --width %d --height %d --crop %d,%d,1,1 --samples %u:%u", r.options.width,
-                          r.options.height, d.x, d.y, d.sample, d.sample + 1);
+  return command + format(" --width %d --height %d --crop %d,%d,1,1 --samples %u:%u", r.options.width, r.options.height,
+                          d.x, d.y, d.sample, d.sample + 1);
 }
 
 std::string report_json(const RenderReport& r) {

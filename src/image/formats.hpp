@@ -18,7 +18,7 @@ using InputFile = std::unique_ptr<std::FILE, CloseFile>;
 /// A picture that is made while it is written, so that of a large one there is no copy.
 struct PictureRows {
   int width, height;
-  bool as_float = false;                            ///< in EXR files
+  bool as_float = false;                             ///< in EXR files
   std::vector<std::pair<std::string, bool>> layers;  ///< name, and whether it is float
   /// Gives row y, and for each layer `width` values, one layer after the other. Called from the top down.
   std::function<void(int y, Rgb* pixels, float* layers)> fill;
