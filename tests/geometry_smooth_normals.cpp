@@ -68,3 +68,17 @@ TEST_CASE("the normals of a sphere's triangles are the sphere's", "[unit]") {
   }
   CHECK(worst > 0.9999f);
 }
+
+TEST_CASE("a vertex of a fan inscribed in a sphere has the sphere's normal, however uneven the fan", "[unit]") {
+  // Which is what the weights are for (Max 1999, "Weights for Computing Vertex Normals from Facet Normals").
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 1}};
+  const double down[] = {0.1, 0.9, 0.3, 1.2, 0.5}, around[] = {0.0, 0.5, 2.0, 3.5, 4.6};
+  for (int i = 0; i < 5; ++i) {
+    mesh.positions.emplace_back(std::sin(down[i]) * std::cos(around[i]), std::sin(down[i]) * std::sin(around[i]),
+                                std::cos(down[i]));
+    mesh.triangles.emplace_back(0, 1 + i, 1 + (i + 1) % 5);
+  }
+  smooth_normals(mesh, 180.0f);
+  for (std::uint32_t i = 0; i < 5; ++i) CHECK(corner_normal(mesh, i, 0).z > 1.0f - 1e-6f);
+}

@@ -251,6 +251,17 @@ TEST_CASE("a scene far away is near with its origin there, to the bit", "[unit]"
   }
 }
 
+TEST_CASE("normals turn by the steps of a transform in their order", "[unit]") {
+  InputFolder folder;
+  folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\nf 1//1 2//1 3//1\n");
+  const std::string mesh = "[[mesh]]\nobj = \"mesh.obj\"\nmaterial = \"white\"\n";
+  const auto normal_after = [&](const std::string& steps) {
+    return folder.load(kWhite + mesh + "transform = [" + steps + "]\n").scene.geometry.meshes.at(0).normals.at(0);
+  };
+  CHECK(normal_after("{ rotate_x = 90 }, { rotate_y = 90 }") == vec3(1, 0, 0));
+  CHECK(normal_after("{ rotate_y = 90 }, { rotate_x = 90 }") == vec3(0, 0, 1));
+}
+
 TEST_CASE("a turn by any angle keeps lengths", "[unit]") {
   InputFolder folder;
   folder.write("mesh.obj", kTriangle + "vn 3 0 0\nf 1//1 2//1 3//1\n");
