@@ -98,6 +98,29 @@ const std::vector<Case>& cases() {
          add_quad(s, {-1, 1.5f, -1}, {2, 0, 0}, {0, 1, 1}, light(grey(3)));
          look(s, {0, 1.5f, 4.0f}, {0, 0.8f, 0}, 50.0f);
        }},
+      {"two mirrors that face each other", 12,
+       [](SeenScene& s) {
+         add_floor(s, lambertian(grey(0.7f)));
+         add_quad(s, {-1.5f, 0, -3}, {0, 0, 6}, {0, 3, 0},
+                  metal(checker(0.4f, Rgb(0.9f), Rgb(0.5f, 0.7f, 0.9f)), 0.0f));
+         add_quad(s, {1.5f, 0, -3}, {0, 0, 6}, {0, 3, 0}, metal(grey(0.8f), 0.0f));
+         add_sphere(s, {0.7f, 0.5f, -0.5f}, 0.5f, lambertian(grey(0.6f)));
+         add_quad(s, {-0.8f, 2, -1.5f}, {1.6f, 0, 0}, {0, 0.4f, 1.6f}, light(color(3, 2, 2)));
+         add_sphere(s, {-0.8f, 1.5f, 0.5f}, 0.3f, light(color(1, 2, 2)));
+         look(s, {0, 1.5f, 4.0f}, {0, 0.6f, 0}, 50.0f);
+       }},
+      {"a corner of mirrors of which a part is covered", 7,
+       [](SeenScene& s) {
+         for (const vec3& e : {vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)}) {
+           add_quad(s, {-1, -1, -1}, 2.0f * vec3(e.y, e.z, e.x), 2.0f * vec3(e.z, e.x, e.y), metal(grey(0.9f), 0.0f));
+         }
+         add_box(s, {-0.7f, -1, -0.7f}, {-0.2f, -0.3f, -0.1f}, lambertian(color(0.8f, 0.6f, 0.3f)));
+         add_sphere(s, {0.4f, -0.4f, 0.0f}, 0.4f, metal(grey(0.9f), 0.3f));
+         add_sphere(s, {0.3f, 0.5f, -0.6f}, 0.2f, glass());
+         add_quad(s, {0.1f, 0.7f, 0.1f}, {0.8f, 0, 0.4f}, {0, 0.4f, 0.8f}, light(color(3, 4, 4)));
+         set_sky(s, 4, 2, [](int x, int y) { return Rgb(0.2f * x, 0.1f, 0.2f * y); });
+         look(s, {2.5f, 1.2f, 3.0f}, {-0.3f, -0.4f, -0.3f}, 40.0f);
+       }},
       {"fuzzy metals of every degree", 8,
        [](SeenScene& s) {
          add_floor(s, metal(grey(0.8f), 0.4f));

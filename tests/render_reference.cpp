@@ -47,6 +47,8 @@ SeenScene scene_with_everything() {
   add_smooth_sphere(scene, {-0.4f, 0.3f, -0.4f}, 0.2f, 4, metal(grey(0.8f), 0.2f));
   add_smooth_sphere(scene, {0.0f, 0.1f, 0.2f}, 0.15f, 4, glass());
   add_sphere(scene, {0.6f, 0.6f, 0.3f}, 0.1f, light(grey(4.0f)));
+  add_quad(scene, {-0.98f, -0.9f, -0.9f}, {0, 1.2f, 0}, {0, 0, 1.5f}, metal(grey(0.9f), 0.0f));
+  add_quad(scene, {0.98f, -0.9f, -0.9f}, {0, 0, 1.5f}, {0, 1.2f, 0}, metal(checker(0.2f, Rgb(0.9f), Rgb(0.6f)), 0.0f));
   add_quad(scene, {-0.9f, 0.2f, -0.5f}, {0, 0, 0.3f}, {0, 0.3f, 0},
            light(picture(scene, 2, 2, [](int x, int y) { return Rgb(1.0f + x, 2.0f, 1.0f + 3.0f * y); })));
   for (int i = 0; i < 20; ++i)
@@ -55,6 +57,17 @@ SeenScene scene_with_everything() {
                  light(grey(0.5f + i)));
   set_sky(scene, 8, 4, [](int x, int y) { return Rgb(0.1f * x, 0.2f, 0.3f * y); });
   scene.camera.defocus_angle = 1.0f;
+  return scene;
+}
+
+/// A mirror that shows a lamp and a picture of the sky.
+SeenScene mirror_under_the_sky() {
+  SeenScene scene;
+  add_quad(scene, {-3, 0, -3}, {0, 0, 6}, {6, 0, 0}, lambertian(grey(0.7f)));
+  add_quad(scene, {-2, 0, -1}, {4, 0, 0}, {0, 2, 0}, metal(grey(0.9f), 0.0f));
+  add_quad(scene, {-0.5f, 1.5f, 0.5f}, {1, 0, 0}, {0, 0, 0.5f}, light(grey(4.0f)));
+  set_sky(scene, 8, 4, [](int x, int y) { return Rgb(0.1f * x, 0.2f, 0.3f * y); });
+  look(scene, {0, 1.0f, 3.0f}, {0, 0.3f, 0}, 60.0f);
   return scene;
 }
 
@@ -73,6 +86,8 @@ TEST_CASE("the reference integrator gives the wavefront's bits whatever a scene 
   const SeenScene everything = scene_with_everything(), room = lit_room();
   RenderOptions options = render_options(40, 30, 24, 12);
   check_equal(everything, everything.camera, options, "everything");
+  const SeenScene mirror = mirror_under_the_sky();
+  check_equal(mirror, mirror.camera, options, "a mirror under the sky");
   options.sampler = SamplerKind::independent;
   options.seed = 7;
   check_equal(everything, everything.camera, options, "independent samples");

@@ -32,6 +32,7 @@ const std::vector<Case>& cases() {
       {"area lights", &N::area_lights, [](Scene& s) { add_floor(s, light(grey(1))); }},
       {"background sampling", &N::environment_sampling,
        [](Scene& s) { set_sky(s, 2, 1, [](int x, int) { return Rgb(static_cast<float>(x)); }); }},
+      {"plane mirrors", &N::plane_mirrors, [](Scene& s) { add_floor(s, metal(grey(0.9f), 0.0f)); }},
   };
   return all;
 }
@@ -55,7 +56,7 @@ TEST_CASE("an empty scene needs nothing", "[unit][needs]") {
   // What every code path handles needs none of its own.
   set_sky(scene, Rgb(0.0f), Rgb(1.0f));
   add_floor(scene, lambertian(any_picture(scene)));
-  add_floor(scene, metal(checker(1, Rgb(0), Rgb(1)), 0.0f));
+  add_floor(scene, metal(checker(1, Rgb(0), Rgb(1)), 0.5f));
   CHECK(scene_needs(scene) == SceneNeeds());
 }
 

@@ -88,6 +88,10 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--isa", command.isa,
                  "Instruction set of bvh: sse4.2, avx2, avx512 or neon (default: the newest there is)")
       ->type_name("{sse4.2,avx2,avx512,neon}");
+  app.add_option("--strategies", command.strategies,
+                 "How light is looked for: auto (all that the scene needs), or of bsdf, light (points of lights) and "
+                 "mirror (the same over plane mirrors) those named, comma separated; the mean stays the same")
+      ->capture_default_str();
   app.add_option("--ray-offset", command.ray_offset,
                  "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")
       ->check(CLI::IsMember({"bounds", "book"}))
@@ -245,6 +249,7 @@ RenderOptions session_options(const RenderCommand& command, const LoadedScene& l
   options.integrator.max_depth =
       command.max_depth ? checked("--max-depth", *command.max_depth, 1 << 20) : settings.max_depth;
   options.integrator.kind = parse_integrator(command.integrator);
+  options.integrator.strategies = parse_strategies(command.strategies);
   options.integrator.ray_offset = command.ray_offset == "book" ? RayOffset::book : RayOffset::bounds;
   options.sampler = parse_sampler(command.sampler);
   options.seed = command.seed;

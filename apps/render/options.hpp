@@ -45,6 +45,7 @@ struct RenderCommand : PictureCommand {
   std::vector<std::string> outputs;
   std::string intersector;
   std::string isa;
+  std::string strategies = "auto";
   std::string ray_offset = "bounds";
   std::string needs = "scene";
   std::optional<SampleRange> samples;

@@ -241,6 +241,7 @@ class ShotRender {
             session.needs(),
             session.integrator().lights().count,
             session.integrator().lights().bytes,
+            session.integrator().mirror_chains(),
             job_.load_seconds,
             estimated_relmse,
             stopped_by == "not yet" || stopped_by == "interrupt",

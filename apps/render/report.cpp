@@ -67,6 +67,10 @@ std::string report_text(const RenderReport& r) {
                  s.rays.camera, s.rays.scattered, s.rays.shadow, millions_per_second(s.rays.total(), s.seconds));
   text += format("render     %.3f s on %d threads, %.3f Mpaths/s\n", s.seconds, threads_of(r.command),
                  millions_per_second(s.rays.camera, s.seconds));
+  if (r.mirror_chains > 0) {
+    text +=
+        format("mirrors    lights are sampled over %zu chains of plane mirrors too (--strategies)\n", r.mirror_chains);
+  }
   if (r.stopped_by != "samples") {
     text += format("stopped    by %s with %u to %u of %u samples a pixel\n", r.stopped_by.c_str(), r.taken.first,
                    r.taken.end, r.options.samples_per_pixel);
@@ -112,6 +116,7 @@ std::string report_json(const RenderReport& r) {
   json["lights"] = r.light_count;
   json["scene_bytes"] = r.loaded.scene.bytes();
   json["light_bytes"] = r.light_bytes;
+  json["mirror_chains"] = r.mirror_chains;
   json["dropped_bytes"] = r.loaded.dropped_bytes;
   json["load_seconds"] = r.load_seconds;
   json["accel"] = r.command.accel;

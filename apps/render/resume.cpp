@@ -39,6 +39,7 @@ FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, cons
                    {"sampler", std::string(sampler_name(options.sampler))},
                    {"seed", std::to_string(options.seed)},
                    {"max-depth", std::to_string(options.integrator.max_depth)},
+                   {"strategies", command.strategies},
                    {"ray-offset", command.ray_offset},
                    {"needs", command.needs}};
   const std::uint32_t end = options.first_sample + options.samples_per_pixel;

@@ -1,5 +1,6 @@
 #include "raylab/render/integrator.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "raylab/core/error.hpp"
@@ -25,6 +26,31 @@ std::string_view integrator_name(IntegratorKind kind) {
       break;
   }
   return "reference";
+}
+
+Strategies parse_strategies(std::string_view names) {
+  if (names == "auto") return {};
+  Strategies found{false, false};
+  bool bsdf = false;
+  for (std::string_view left = names; !left.empty();) {
+    const std::string_view name = left.substr(0, left.find(','));
+    left.remove_prefix(std::min(left.size(), name.size() + 1));
+    if (name == "bsdf") {
+      bsdf = true;
+    } else if (name == "light") {
+      found.light = true;
+    } else if (name == "mirror") {
+      found.mirror = true;
+    } else {
+      throw Error(ErrorKind::usage, "--strategies",
+                  "unknown strategy \"" + std::string(name) + "\"; expected auto, or of bsdf, light and mirror");
+    }
+  }
+  if (!bsdf || (found.mirror && !found.light)) {
+    throw Error(ErrorKind::usage, "--strategies",
+                "found " + std::string(names) + ", expected bsdf, then light, then mirror: each needs those before it");
+  }
+  return found;
 }
 
 namespace {
@@ -57,6 +83,8 @@ void Integrator::trace(const PathBatch& paths, BatchRadiance& radiance, RayCount
 }
 
 LightStatistics Integrator::lights() const { return {shading_->lights.count(), shading_->lights.bytes()}; }
+
+std::size_t Integrator::mirror_chains() const { return shading_->mirrors.count(); }
 
 LightStatistics light_statistics(const Scene& scene, const SceneNeeds& needs) {
   const Lights lights(scene, needs);

@@ -16,6 +16,8 @@ namespace {
 /// Draws of one path segment, from Integrator::kFirstDimension on. kLightChoice is the lower half of the number whose
 /// upper half is kLightPoint's first: see Lights::sample().
 enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
+/// Draws of a segment for light over mirrors, apart, so that scenes without have the numbers that they had.
+enum MirrorDraw : std::uint32_t { kMirrorPoint = 1u << 20, kMirrorChoice = kMirrorPoint << 1 };
 
 /// First dimension of a segment's draws; the camera ray is segment 1.
 constexpr std::uint32_t first_draw(int segment) {

@@ -9,21 +9,23 @@ namespace {
 
 using Sample = BasicSampler<float>;
 
-/// Light from outside the scene along the path's last ray.
-Rgb escaped(const ShadingScene& s, const PathState<float>& path) {
+/// Light from outside the scene along the path's last ray, which over mirrors is not sampled.
+Rgb escaped(const ShadingScene& s, const PathState<float>& path, std::uint32_t chain) {
   Rgb radiance = s.scene.environment.radiance(path.direction);
-  if (s.sample_lights) radiance *= met_light_weight(path, s.lights.environment_pdf(path.direction));
+  if (s.sample_lights) {
+    radiance *= met_light_weight(path, chain == 0 ? s.lights.environment_pdf(path.direction) : 0.0f);
+  }
   return radiance;
 }
 
 /// Light that an emitter sends along the path's last ray.
 Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit, std::uint32_t material,
-            const SurfacePoint& point, const Rgb& color) {
+            const SurfacePoint& point, const Rgb& color, std::uint32_t chain) {
   if (!s.sample_lights) return path.throughput * color;
-  const float pdf =
-      s.scene.geometry.is_sphere(hit.geometry)
-          ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
-          : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
+  float pdf = s.scene.geometry.is_sphere(hit.geometry)
+                  ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
+                  : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
+  if (!s.mirrors.empty()) pdf *= s.mirrors.share(chain);
   return path.throughput * color * met_light_weight(path, pdf);
 }
 
@@ -40,6 +42,26 @@ Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathSt
   return s.accelerator.occluded({ray.origin, ray.direction, ray.t_min, ray.t_max}) ? Rgb(0.0f) : Rgb(ray.radiance);
 }
 
+/// The same over a chain of mirrors.
+Rgb mirrored_light(const ShadingScene& s, const PathVertex<float>& v, const PathState<float>& path,
+                   const Sample& sampler, std::uint32_t draw, int segment, RayCounts& counts) {
+  const auto bits = sampler.bits2(draw + kMirrorPoint);
+  const auto choice = sampler.bits2(draw + kMirrorChoice);
+  const MirroredLight light = s.mirrors.sample(v.point.position, bits_to_unit(choice.first),
+                                               static_cast<std::uint64_t>(bits.first) << 32 | choice.second,
+                                               bits_to_unit(bits.second), s.settings.max_depth - segment - 1);
+  const ShadowRay<float> first = shadow_ray<float>(
+      v, path, {light.wi, light.image, light.radiance, 1.0f, light.pdf, false}, s.settings.ray_offset);
+  if (!first.usable) return Rgb(0.0f);
+  MirroredRay ray{{first.origin, first.direction, first.t_min}, light.light, light.gap, first.radiance, light.chain, 0};
+  while (!s.mirrors.is_last(ray)) {
+    ++counts.shadow;
+    if (!s.mirrors.reflect(ray, s.accelerator.intersect(ray.ray), s.settings.ray_offset)) return Rgb(0.0f);
+  }
+  ++counts.shadow;
+  return s.accelerator.occluded(ray.ray) ? Rgb(0.0f) : ray.radiance;
+}
+
 /// The argument of shading_normal() in scene/surface_lanes.hpp.
 vec3 normal_sum(const Geometry& geometry, const Hit& hit) {
   if (geometry.is_sphere(hit.geometry) || geometry.meshes[hit.geometry].normals.empty()) return vec3(0.0f);
@@ -51,11 +73,12 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
   const Scene& scene = s.scene;
   Rgb radiance(0.0f);
   float t_min = 0.0f;
+  std::uint32_t chain = 0;  // of the mirrors since the last vertex from which lights were sampled
   for (int segment = 1;; ++segment) {
     ++(segment == 1 ? counts.camera : counts.scattered);
     const Ray ray{path.origin, path.direction, t_min};
     const std::optional<Hit> hit = s.accelerator.intersect(ray);
-    if (!hit) return radiance + path.throughput * escaped(s, path);
+    if (!hit) return radiance + path.throughput * escaped(s, path, chain);
 
     const SurfacePoint point = surface_point(scene.geometry, ray, *hit);
     const std::uint32_t material_id = scene.material_of(hit->geometry, hit->primitive);
@@ -63,7 +86,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     const Rgb color = texture_color(material.color, scene.textures, point.position, point.uv,
                                     address_mode_of_v(scene.geometry.is_sphere(hit->geometry)));
     if (material.kind == Material::Kind::diffuse_light)
-      return radiance + emitted(s, path, *hit, material_id, point, color);
+      return radiance + emitted(s, path, *hit, material_id, point, color, chain);
     if (segment >= s.settings.max_depth) return radiance;
 
     const Vec3<float> normals = normal_sum(scene.geometry, *hit);
@@ -72,10 +95,23 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
                            s.needs.shading_normals ? &normals : nullptr);
     const std::uint32_t draw = first_draw(segment);
     if (s.sample_lights && has_density(v.material)) radiance += direct_light(s, v, path, sampler, draw, counts);
+    if (!s.mirrors.empty() && has_density(v.material)) {
+      radiance += mirrored_light(s, v, path, sampler, draw, segment, counts);
+    }
 
     const Vec2<float> u = sampler.get2(draw + kDirection);
     const float lobe = has_lobes(v.material) ? sampler.get1(draw + kLobe) : 0.0f;
+    const PathState<float> before = path;
     if (!scatter<float>(v, u, lobe, s.settings.ray_offset, path)) return radiance;
+    if (!s.mirrors.empty()) {
+      vec3 from = before.scatter_position;
+      if (before.scatter_pdf > 0.0f && s.mirrors.follow(hit->geometry, hit->primitive, chain, from)) {
+        path.scatter_pdf = before.scatter_pdf;
+        path.scatter_position = from;
+      } else {
+        chain = 0;
+      }
+    }
     if (segment >= Integrator::kFirstRouletteSegment && s.settings.kind != IntegratorKind::book) {
       if (!survives_roulette(sampler.get1(draw + kRoulette), path)) return radiance;
     }

@@ -23,7 +23,10 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
       needs(needs_),
       settings(settings_),
       lights(scene_, needs_),
-      sample_lights(settings_.kind != IntegratorKind::book && !lights.empty()),
+      sample_lights(settings_.kind != IntegratorKind::book && settings_.strategies.light && !lights.empty()),
+      mirrors(sample_lights && settings_.strategies.mirror && needs_.plane_mirrors
+                  ? MirrorImages(scene_, lights, settings_.max_depth)
+                  : MirrorImages()),
       emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].p0.x),
       light_table(lights.table()) {
   materials.reserve(scene.materials.size() + 1);

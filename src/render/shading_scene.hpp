@@ -3,6 +3,7 @@
 // lanes of a vector need from the scene's arrays, and do lane by lane what few lanes need.
 #include "bsdf.hpp"
 #include "lights.hpp"
+#include "mirror_images.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/surface_point.hpp"
 
@@ -67,6 +68,7 @@ struct ShadingScene {
   IntegratorSettings settings;
   Lights lights;
   bool sample_lights;
+  MirrorImages mirrors;                ///< empty where lights are not sampled over them
   std::vector<MaterialRow> materials;  ///< the last is that of rays that have hit nothing
   // For the lanes of vectors: the same by rows, or of few materials by columns, and those of emitting triangles.
   const float* material_rows;

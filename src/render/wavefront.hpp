@@ -35,7 +35,8 @@ struct alignas(64) PathQueue {
   Floats eta_scale, scatter_pdf;
   Floats scatter_position[3];
   UInts seed_low, seed_high, sample;
-  UInts slot;  ///< in the batch
+  UInts slot;   ///< in the batch
+  UInts chain;  ///< of mirrors since the last vertex from which lights were sampled; of scenes that have some
 
   PathState<Wide> load(std::size_t i) const {
     return {load3(origin, i),          load3(direction, i),         load3(throughput, i),
@@ -74,6 +75,34 @@ struct alignas(64) ShadowQueue {
   std::uint8_t occluded[kRoom];
 };
 
+/// Rays on their way to lights over mirrors: MirroredRay.
+struct alignas(64) MirrorQueue {
+  Floats origin[3], direction[3], t_min, t_max;
+  Floats light[3], gap, radiance[3];
+  UInts chain, met;
+  UInts slot;
+
+  void put(std::size_t i, const MirroredRay& r, std::uint32_t slot_) {
+    for (int c = 0; c < 3; ++c) {
+      origin[c][i] = r.ray.origin[c];
+      direction[c][i] = r.ray.direction[c];
+      light[c][i] = r.light[c];
+      radiance[c][i] = r.radiance[c];
+    }
+    t_min[i] = r.ray.t_min;
+    t_max[i] = r.ray.t_max;
+    gap[i] = r.gap;
+    chain[i] = r.chain;
+    met[i] = r.met;
+    slot[i] = slot_;
+  }
+  MirroredRay get(std::size_t i) const {
+    const auto three = [i](const Floats(&a)[3]) { return vec3(a[0][i], a[1][i], a[2][i]); };
+    return {
+        {three(origin), three(direction), t_min[i], t_max[i]}, three(light), gap[i], three(radiance), chain[i], met[i]};
+  }
+};
+
 class Wavefront {
  public:
   Wavefront(const ShadingScene& scene, const PathBatch& paths, BatchRadiance& radiance)
@@ -88,10 +117,12 @@ class Wavefront {
       scene_.accelerator.intersect_batch(rays(paths_, count_), {hit_t_, hit_u_, hit_v_, hit_geometry_, hit_primitive_});
       kept_ = 0;
       shadows_ = 0;
+      mirrored_ = 0;
       for (std::size_t first = 0; first < count_; first += kLanes) shade(first, segment);
       count_ = kept_;
       counts.shadow += shadows_;
       trace_shadow_rays();
+      if (mirrored_ != 0) trace_mirrored_rays(counts);
     }
   }
 
@@ -123,6 +154,7 @@ class Wavefront {
       Wide(0.0f).store(paths_.t_min + i);
       Wide(kInfinity).store(paths_.t_max + i);
       for (std::size_t k = i; k < i + kLanes; ++k) paths_.slot[k] = static_cast<std::uint32_t>(k);
+      WideUInt(0u).store(paths_.chain + i);
     }
   }
 
@@ -169,6 +201,7 @@ class Wavefront {
     if (scene_.sample_lights) {
       const WideMask lit = alive & has_density(material);
       if (any(lit)) light_samples(lit, first, sampler, draw, vertex, path);
+      if (any(lit) && !scene_.mirrors.empty()) mirrored_light_samples(lit, first, segment, sampler, draw, vertex, path);
     }
     go_on(alive, first, segment, sampler, u, vertex, path);
   }
@@ -226,6 +259,9 @@ class Wavefront {
       store3(path.direction, d);
       scene_.environment(lanes.bits(), d, r, pdf);
       arriving = load3(r);
+      for (int i = 0; i < kLanes && !scene_.mirrors.empty(); ++i) {  // over mirrors it is not sampled
+        if (paths_.chain[first + static_cast<std::size_t>(i)] != 0) pdf[i] = 0.0f;
+      }
       if (scene_.sample_lights) arriving = arriving * met_light_weight(path, Wide::load(pdf));
     } else if (environment.kind == Environment::Kind::gradient) {
       const Wide a = Wide(0.5f) * (path.direction.y + Wide(1.0f));
@@ -250,6 +286,14 @@ class Wavefront {
         scene_.sphere_light_pdfs(spheres.bits(), hits, p, position, direction, sphere_pdf);
         pdf = select(spheres, Wide::load(sphere_pdf), pdf);
       }
+      if (!scene_.mirrors.empty()) {
+        alignas(64) float share[kMostLanes] = {};
+        for (std::uint32_t left = lanes.bits(); left != 0; left &= left - 1) {
+          const int i = __builtin_ctz(left);
+          share[i] = scene_.mirrors.share(paths_.chain[first + static_cast<std::size_t>(i)]);
+        }
+        pdf = pdf * Wide::load(share);
+      }
       weight = met_light_weight(path, pdf);
     }
     add_radiance(lanes, first, path.throughput * radiance * weight);
@@ -270,6 +314,95 @@ class Wavefront {
     compress3(ray.radiance, usable, shadow_.radiance, shadows_);
     compress(WideUInt::load(paths_.slot + first), usable, shadow_.slot + shadows_);
     shadows_ += static_cast<std::size_t>(__builtin_popcount(usable.bits()));
+  }
+
+  /// The same over chains of mirrors.
+  [[gnu::noinline]] void mirrored_light_samples(WideMask lanes, std::size_t first, int segment,
+                                                const BasicSampler<Wide>& sampler, std::uint32_t draw,
+                                                const PathVertex<Wide>& vertex, const PathState<Wide>& path) {
+    const auto bits = sampler.bits2(draw + kMirrorPoint);
+    const auto choices = sampler.bits2(draw + kMirrorChoice);
+    alignas(64) float choice[kMostLanes], v[kMostLanes], pdf[kMostLanes];
+    alignas(64) std::uint32_t high[kMostLanes], low[kMostLanes];
+    VectorLanes p, wi, image, radiance;
+    MirroredLight lights[kMostLanes];
+    bits_to_unit(choices.first).store(choice);
+    bits.first.store(high);
+    choices.second.store(low);
+    bits_to_unit(bits.second).store(v);
+    store3(vertex.point.position, p);
+    for (int i = 0; i < kLanes; ++i) {
+      if ((lanes.bits() >> i & 1u) != 0) {
+        lights[i] = scene_.mirrors.sample({p[0][i], p[1][i], p[2][i]}, choice[i],
+                                          static_cast<std::uint64_t>(high[i]) << 32 | low[i], v[i],
+                                          scene_.settings.max_depth - segment - 1);
+      }
+      for (int c = 0; c < 3; ++c) {
+        wi[c][i] = lights[i].wi[c];
+        image[c][i] = lights[i].image[c];
+        radiance[c][i] = lights[i].radiance[c];
+      }
+      pdf[i] = lights[i].pdf;
+    }
+    const ShadowRay<Wide> ray = shadow_ray<Wide>(
+        vertex, path, {load3(wi), load3(image), load3(radiance), Wide(1.0f), Wide::load(pdf), WideMask::of(0)},
+        offset_);
+    const WideMask usable = lanes & ray.usable;
+    if (!any(usable)) return;
+    VectorLanes origin, direction;
+    alignas(64) float t_min[kMostLanes];
+    store3(ray.origin, origin);
+    store3(ray.direction, direction);
+    store3(ray.radiance, radiance);
+    ray.t_min.store(t_min);
+    for (std::uint32_t left = usable.bits(); left != 0; left &= left - 1) {
+      const int i = __builtin_ctz(left);
+      const auto three = [i](const VectorLanes& a) { return vec3(a[0][i], a[1][i], a[2][i]); };
+      mirror_.put(mirrored_++,
+                  {{three(origin), three(direction), t_min[i]},
+                   lights[i].light,
+                   lights[i].gap,
+                   three(radiance),
+                   lights[i].chain,
+                   0},
+                  paths_.slot[first + static_cast<std::size_t>(i)]);
+    }
+  }
+
+  /// From mirror to mirror, and past the last ones to the lights.
+  void trace_mirrored_rays(RayCounts& counts) {
+    shadows_ = 0;
+    while (mirrored_ != 0) {
+      counts.shadow += mirrored_;
+      scene_.accelerator.intersect_batch(rays(mirror_, mirrored_),
+                                         {hit_t_, hit_u_, hit_v_, hit_geometry_, hit_primitive_});
+      const std::size_t count = mirrored_;
+      mirrored_ = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        if (hit_geometry_[i] == HitBatch::kNoHit) continue;
+        MirroredRay ray = mirror_.get(i);
+        const Hit hit{hit_t_[i], hit_u_[i], hit_v_[i], hit_geometry_[i], hit_primitive_[i]};
+        if (!scene_.mirrors.reflect(ray, hit, offset_)) continue;
+        if (scene_.mirrors.is_last(ray)) {
+          put_shadow_ray(ray, mirror_.slot[i]);
+        } else {
+          mirror_.put(mirrored_++, ray, mirror_.slot[i]);
+        }
+      }
+    }
+    counts.shadow += shadows_;
+    trace_shadow_rays();
+  }
+
+  void put_shadow_ray(const MirroredRay& ray, std::uint32_t slot) {
+    for (int c = 0; c < 3; ++c) {
+      shadow_.origin[c][shadows_] = ray.ray.origin[c];
+      shadow_.direction[c][shadows_] = ray.ray.direction[c];
+      shadow_.radiance[c][shadows_] = ray.radiance[c];
+    }
+    shadow_.t_min[shadows_] = ray.ray.t_min;
+    shadow_.t_max[shadows_] = ray.ray.t_max;
+    shadow_.slot[shadows_++] = slot;
   }
 
   SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t draw,
@@ -324,7 +457,11 @@ class Wavefront {
     const std::uint32_t draw = first_draw(segment);
     Wide lobe(0.0f);
     if (any(alive & has_lobes(vertex.material))) lobe = sampler.get1(draw + kLobe);
+    const Wide pdf_before = path.scatter_pdf;
+    const WideVec3 position_before = path.scatter_position;
     alive = alive & scatter(vertex, u, lobe, offset_, path);
+    alignas(64) std::uint32_t chain[kMostLanes];
+    if (!scene_.mirrors.empty()) follow_mirrors(alive, first, pdf_before, position_before, path, chain);
     if (segment >= Integrator::kFirstRouletteSegment && scene_.settings.kind != IntegratorKind::book)
       alive = alive & survives_roulette(sampler.get1(draw + kRoulette), path);
     if (!any(alive)) return;
@@ -335,7 +472,32 @@ class Wavefront {
     keep(paths_.seed_high);
     keep(paths_.sample);
     keep(paths_.slot);
+    if (!scene_.mirrors.empty()) compress(WideUInt::load(chain), alive, paths_.chain + kept_);
     kept_ += static_cast<std::size_t>(__builtin_popcount(alive.bits()));
+  }
+
+  /// Has paths that a mirror reflects go on as from the image of where they came from: see MirrorImages.
+  void follow_mirrors(WideMask alive, std::size_t first, Wide pdf_before, const WideVec3& position_before,
+                      PathState<Wide>& path, std::uint32_t* chain) const {
+    alignas(64) float before[kMostLanes], pdf[kMostLanes];
+    VectorLanes from, position;
+    pdf_before.store(before);
+    path.scatter_pdf.store(pdf);
+    store3(position_before, from);
+    store3(path.scatter_position, position);
+    for (int i = 0; i < kLanes; ++i) {
+      chain[i] = 0;
+      if ((alive.bits() >> i & 1u) == 0 || !(before[i] > 0.0f)) continue;
+      const std::size_t at = first + static_cast<std::size_t>(i);
+      std::uint32_t followed = paths_.chain[at];
+      vec3 p(from[0][i], from[1][i], from[2][i]);
+      if (!scene_.mirrors.follow(hit_geometry_[at], hit_primitive_[at], followed, p)) continue;
+      chain[i] = followed;
+      pdf[i] = before[i];
+      for (int c = 0; c < 3; ++c) position[c][i] = p[c];
+    }
+    path.scatter_pdf = Wide::load(pdf);
+    path.scatter_position = load3(position);
   }
 
   void trace_shadow_rays() {
@@ -351,9 +513,10 @@ class Wavefront {
   SamplerKind sampler_kind_;
   RayOffset offset_;
   BatchRadiance& radiance_;
-  std::size_t count_ = 0, kept_ = 0, shadows_ = 0;
+  std::size_t count_ = 0, kept_ = 0, shadows_ = 0, mirrored_ = 0;
   PathQueue paths_;
   ShadowQueue shadow_;
+  MirrorQueue mirror_;
   alignas(64) Floats hit_t_, hit_u_, hit_v_;
   UInts hit_geometry_, hit_primitive_;
   SurfaceLanes surfaces_{};

@@ -7,6 +7,7 @@ namespace raylab {
 namespace {
 
 bool is_light(const Material& m) { return m.kind == Material::Kind::diffuse_light; }
+bool is_mirror(const Material& m) { return m.kind == Material::Kind::metal && m.fuzz == 0.0f; }
 
 /// Which materials the triangles of a mesh have.
 std::vector<bool> materials_of(const Scene& scene, std::size_t mesh) {
@@ -68,14 +69,17 @@ SceneNeeds scene_needs(const Scene& scene) {
   for (std::size_t i = 0; i < scene.geometry.meshes.size(); ++i) {
     needs.shading_normals |= !scene.geometry.meshes[i].normals.empty() && mesh_reads(scene, i).normals;
     const std::vector<bool> used = materials_of(scene, i);
-    for (std::size_t k = 0; k < used.size(); ++k) needs.area_lights |= used[k] && is_light(scene.materials[k]);
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      needs.area_lights |= used[k] && is_light(scene.materials[k]);
+      needs.plane_mirrors |= used[k] && is_mirror(scene.materials[k]) && scene.geometry.meshes[i].normals.empty();
+    }
   }
   for (const std::uint32_t id : scene.sphere_materials) needs.area_lights |= is_light(scene.materials[id]);
   needs.environment_sampling = scene.environment.kind == Environment::Kind::image && !scene.environment.is_black();
   return needs;
 }
 
-SceneNeeds all_needs() { return {true, true, true, true}; }
+SceneNeeds all_needs() { return {true, true, true, true, true}; }
 
 std::size_t drop_unneeded(Scene& scene) {
   std::size_t freed = 0;
@@ -99,6 +103,7 @@ std::vector<std::string> describe(const SceneNeeds& needs) {
   line(needs.shading_normals, "shading normals", "stored and interpolated");
   line(needs.area_lights, "area lights", "emitting primitives are sampled");
   line(needs.environment_sampling, "background sampling", "directions chosen by a picture's brightness");
+  line(needs.plane_mirrors, "plane mirrors", "lights are sampled over them too");
   return lines;
 }
 

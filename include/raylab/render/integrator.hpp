@@ -30,9 +30,19 @@ enum class RayOffset : std::uint8_t {
   book,    ///< starts at the hit point with t_min = 0.001, for comparison
 };
 
+/// How light is looked for: by scattering always, and in what other ways.
+struct Strategies {
+  bool light = true;   ///< points of lights are sampled
+  bool mirror = true;  ///< and points of lights as seen over plane mirrors, where a scene has some
+};
+/// From "auto" (all that the scene needs), or names from bsdf, light and mirror with commas between them. Throws Error
+/// (usage).
+Strategies parse_strategies(std::string_view names);
+
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::path;
   RayOffset ray_offset = RayOffset::bounds;
+  Strategies strategies;   ///< of `path` and `reference`; the mean of a picture is the same with each
   int max_depth = 7;       ///< path segments, the camera ray included; at least 1
   std::optional<Isa> isa;  ///< absent: the newest the processor has; changes no result
 };
@@ -113,6 +123,8 @@ class Integrator {
   static constexpr int kFirstRouletteSegment = 5;
 
   LightStatistics lights() const;
+  /// Chains of plane mirrors over which lights are sampled.
+  std::size_t mirror_chains() const;
 
  private:
   std::unique_ptr<const ShadingScene> shading_;

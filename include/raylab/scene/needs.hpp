@@ -14,6 +14,7 @@ struct SceneNeeds {
   bool shading_normals = false;       ///< some scattering mesh has normals that differ from the faces'
   bool area_lights = false;           ///< some primitive emits
   bool environment_sampling = false;  ///< the background is a picture: directions are chosen by its brightness
+  bool plane_mirrors = false;         ///< some flat faces are of smooth metal: lights are sampled over them too
 
   bool operator==(const SceneNeeds&) const = default;
 };
