@@ -31,9 +31,10 @@ std::string check_text(const LoadedScene& loaded, const RenderOptions& options, 
   std::string text = scene_text(loaded, load_seconds);
   const std::size_t film =
       Film::kWords * 4 * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-  text +=
-      format("film       %d x %d pixels, %.1f MiB, which with the scene and the accelerator is what a render takes\n",
-             options.width, options.height, mebibytes(film));
+  text += format(
+      "film       %d x %d pixels, %.1f MiB, which with the scene and the accelerator is what a render takes; %u "
+      "samples a pixel\n",
+      options.width, options.height, mebibytes(film), options.samples_per_pixel);
   text += "materials\n";
   for (const std::string& note : loaded.notes) text += "  " + note + "\n";
   text += "needs\n";
