@@ -4,8 +4,8 @@ configuration is read or changed."""
 
 import contextlib
 import ctypes
-import getpass
 import os
+import pwd
 import re
 import shutil
 import signal
@@ -20,6 +20,7 @@ from pathlib import Path
 CLUSTER = Path(__file__).resolve().parents[2] / "apps" / "cluster"
 SCENE = Path(__file__).resolve().parents[2] / "scenes" / "cornell.toml"
 WIDTH = 48
+USER = pwd.getpwuid(os.geteuid()).pw_name
 PATH = f"{sys.argv[1]}:{os.environ['PATH']}:/usr/sbin:/sbin"
 
 
@@ -136,13 +137,17 @@ class Parallel(ClusterTest):
         needed("parallel")
         super().setUp()
 
-    def test_killed_interrupted_and_resumed(self):
-        spp = 4000
+    def test_killed_interrupted_lost_and_resumed(self):
+        spp = 9000
         command = self.command("--jobs", 2, spp=spp, render=["--checkpoint-every", "0.05s"])
+        log = log_of(self.parts / "part-0-2250.exr")
+
+        def wait_for_run(number):
+            wait_for(f"run {number} of part 0", lambda: len(re.findall("^part 0 on", log.read_text(), re.M)) == number)
+
         run = self.start(command)
-        self.kill_render("part-0-1000.exr")
-        wait_for("the killed part to go on", lambda: len(re.findall("^part 0 on", log_of(
-            self.parts / "part-0-1000.exr").read_text(), re.M)) == 2)
+        self.kill_render("part-0-2250.exr")
+        wait_for_run(2)
         self.fails(1, "in use by another run", command)
         status = self.status()
         self.assertEqual(status.returncode, 1)
@@ -152,9 +157,15 @@ class Parallel(ClusterTest):
         self.assertEqual(run.returncode, 130)
         self.assertFalse(self.output.exists())
         self.assertRegex(self.status().stdout, "^4 parts: . done, 0 running, 0 failed, [12] stopped, 0 lost, . waiting")
+        # As a machine that fails ends it.
+        self.start(command)
+        wait_for_run(3)
+        end_children()
+        os.utime(log, (0, 0))
+        self.assertRegex(self.status().stdout, "^4 parts: . done, . running, 0 failed, . stopped, 1 lost")
         self.succeeds(command)
-        self.assertIn("resumed    ", log_of(self.parts / "part-0-1000.exr").read_text())
-        self.assertIn(" with ", log_of(self.parts / "part-0-1000.exr").read_text())
+        wait_for_run(4)
+        self.assertRegex(log.read_text(), "resumed    .* with ")
         self.assertEqual(self.status().returncode, 0)
         self.expect_bits_of_one_render(spp)
 
@@ -220,7 +231,7 @@ class Ssh(ClusterTest):
             sshd = ["unshare", "--mount", "sh", "-c", 'mount -t tmpfs none /run && mkdir /run/sshd && exec "$@"', "-",
                     *sshd]
         self.ssh = (f"ssh -F none -p {port} -i {self.servers}/user -o IdentitiesOnly=yes -o BatchMode=yes "
-                    f"-o UserKnownHostsFile={self.servers}/known {getpass.getuser()}@127.0.0.1")
+                    f"-o UserKnownHostsFile={self.servers}/known {USER}@127.0.0.1")
         log = self.servers / "sshd.log"
         with open(log, "w") as out:
             server = subprocess.Popen(sshd, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
@@ -265,8 +276,8 @@ SlurmdPort={free_port()}
 AuthType=auth/munge
 CredType=cred/munge
 AuthInfo=socket={there}/munge.sock,cred_expire=5
-SlurmUser={getpass.getuser()}
-SlurmdUser={getpass.getuser()}
+SlurmUser={USER}
+SlurmdUser={USER}
 StateSaveLocation={there}/state
 SlurmdSpoolDir={there}/spool
 SlurmctldPidFile={there}/slurmctld.pid
