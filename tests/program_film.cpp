@@ -292,7 +292,7 @@ TEST_CASE("a render stops at a time or an error, and says what was reached", "[c
     expect_success(result);
     const Attributes attributes = read_exr_attributes(output);
     const auto json = nlohmann::json::parse(read_text(stats));
-    CHECK(attributes.at("raylab.stoppedBy") == json.at("stopped_by"));
+    CHECK(attributes.at("raylab.stoppedBy") == json.at("stopped_by").get<std::string>());
     CHECK(attributes.at("raylab.partial") == "false");
     CHECK(json.at("partial") == false);
     return std::pair(result.out, json);
