@@ -36,6 +36,8 @@ fs::path import_program() {
 
 /// Why it failed; empty where it did not. What the program says goes to the file `said`.
 std::string run(const fs::path& program, const fs::path& model, const fs::path& output, const fs::path& said) {
+  // Before the process is made: where it is made by forking, as in emulators, it is told of no failure to run.
+  if (access(program.c_str(), X_OK) != 0) return "does not run: " + std::string(std::strerror(errno));
   // A name that begins with a dash is no option of a program that has none.
   std::array<std::string, 3> words{program.string(), model.string(), output.string()};
   std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
