@@ -15,9 +15,9 @@ namespace {
 /// More planes than this are no plane mirrors but a bent one.
 constexpr std::size_t kBent = 64;
 /// Chains, and the least weight of one over that of the heaviest: more give more of the light, but fewer samples to
-/// each.
+/// each, and longer ways. On mirror-room 1e-3 takes a sixth more time for 2% less error, 0.15 saves 2% for 6% more.
 constexpr std::size_t kMostChains = 64;
-constexpr double kLeastWeight = 1e-3;
+constexpr double kLeastWeight = 0.04;
 
 bool is_mirror_material(const Material& m) { return m.kind == Material::Kind::metal && m.fuzz == 0.0f; }
 
