@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -10,40 +8,10 @@
 #include "expect_error.hpp"
 #include "raylab/accel/accelerator.hpp"
 #include "raylab/core/parallel.hpp"
-#include "test_scenes.hpp"
+#include "session_scenes.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
-
-namespace {
-
-/// A scene that uses most of what there is, so that any state shared between samples would show.
-SeenScene varied_scene() {
-  SeenScene scene = lit_room();
-  add_quad(scene, {-1, -0.99f, 0.4f}, {2, 0, 0}, {0, 0.1f, -0.3f},
-           lambertian(picture(scene, 4, 4, [](int x, int y) { return Rgb(0.2f * x, 0.2f * y, 0.5f); })));
-  scene.camera.defocus_angle = 1.0f;
-  return scene;
-}
-
-/// A floor under a lamp so bright that some, not all, of its light is more than a float can hold.
-SeenScene blinding_scene() {
-  SeenScene scene;
-  add_quad(scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, lambertian(grey(0.8f)));
-  add_quad(scene, {-1, 0.3f, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(3e38f)));
-  look(scene, {0, 0.2f, 1.9f}, {0, 0, 0}, 60.0f);
-  return scene;
-}
-
-RenderOptions small_options(const SeenScene& scene, const std::string& sampler) {
-  RenderOptions options = render_options(19, 13, 12);
-  options.camera = scene.camera;
-  options.sampler = parse_sampler(sampler);
-  options.seed = 5;
-  return options;
-}
-
-}  // namespace
 
 TEST_CASE("threads, tiles and passes do not change a bit of the picture", "[unit][session]") {
   const SeenScene scene = varied_scene();
@@ -305,105 +273,6 @@ TEST_CASE("a session can be stopped before it starts and destroyed while it runs
     session.stop();
     CHECK_FALSE(session.wait_for(0.0));  // nothing was started, so nothing has ended
   }
-}
-
-TEST_CASE("a session goes on from a film, however often it was stopped, to the same bits", "[unit][session]") {
-  for (const SeenScene& scene : {varied_scene(), blinding_scene()}) {
-    const auto accelerator = make_accelerator("list", scene.geometry);
-    RenderOptions options = small_options(scene, "sobol");
-    options.first_sample = 3;
-    options.samples_per_pixel = 150;
-    options.crop = PixelRect{2, 1, 15, 11};
-    RenderSession whole(scene, *accelerator, options);
-    whole.run();
-    std::mt19937 random(4);
-    for (int trial = 0; trial < 3; ++trial) {
-      std::optional<Film> film;
-      std::uint64_t camera_rays = 0;
-      int stops = 0;
-      for (bool finished = false; !finished;) {
-        const ThreadLimit limit(1 + static_cast<int>(random() % 3));
-        options.tile_size = 1 + static_cast<int>(random() % 20);
-        options.pass_samples = 1 + random() % 40;
-        options.integrator.isa = kCompiledIsas.front();
-        RenderSession session(scene, *accelerator, options, std::move(film));
-        const double before = session.progress();
-        session.start();
-        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 8));
-        session.stop();
-        CHECK(session.progress() >= before);
-        finished = session.finished();
-        camera_rays += session.stats().rays.camera;
-        film = session.film();
-        ++stops;
-      }
-      INFO(stops << " sessions");
-      CHECK(*film == whole.film());
-      CHECK(camera_rays == whole.stats().rays.camera);
-    }
-  }
-}
-
-TEST_CASE("a film is brought to more samples as if all had been taken at once", "[unit][session]") {
-  const SeenScene scene = varied_scene();
-  const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options(scene, "independent");
-  RenderSession few(scene, *accelerator, options);
-  few.run();
-  options.samples_per_pixel = 70;
-  RenderSession more(scene, *accelerator, options, few.film());
-  CHECK(more.progress() == Approx(12.0 / 70.0));
-  more.run();
-  CHECK(more.film() == render(scene, options));
-  // Fewer than there are takes none.
-  options.samples_per_pixel = 5;
-  RenderSession fewer(scene, *accelerator, options, more.film());
-  CHECK(fewer.progress() == 1.0);
-  fewer.run();
-  CHECK(fewer.film() == more.film());
-}
-
-TEST_CASE("a target of error ends the render at a pass, at the same one from wherever it goes on", "[unit][session]") {
-  const SeenScene scene = varied_scene();
-  const auto accelerator = make_accelerator("list", scene.geometry);
-  RenderOptions options = small_options(scene, "sobol");
-  options.samples_per_pixel = 100000;
-  options.target_error = 0.02;
-  options.most_pass_samples = options.pass_samples;
-  RenderSession session(scene, *accelerator, options);
-  session.run();
-  CHECK(session.finished());
-  const std::uint32_t taken = session.film().taken(0, 0);
-  CHECK(taken < 100000);
-  CHECK(session.film().estimated_relmse() <= 0.02);
-  for (const std::uint32_t before : {16u, taken - 16, taken}) {
-    RenderOptions part = options;
-    part.samples_per_pixel = before;
-    part.target_error.reset();
-    RenderSession first(scene, *accelerator, part);
-    first.run();
-    RenderSession second(scene, *accelerator, options, first.film());
-    second.run();
-    CHECK(second.film() == session.film());
-  }
-  // Pixels that have gone on say that the error was too large at the pass before, whatever it is now.
-  RenderOptions part = options;
-  part.samples_per_pixel = taken - 16;
-  part.target_error.reset();
-  RenderSession first(scene, *accelerator, part);
-  first.run();
-  part.samples_per_pixel = taken;
-  Film most = first.film();  // all but one pixel
-  for (const PixelRect& crop : {PixelRect{0, 0, 19, 12}, PixelRect{0, 12, 18, 1}}) {
-    part.crop = crop;
-    RenderSession session_of_crop(scene, *accelerator, part, std::move(most));
-    session_of_crop.run();
-    most = session_of_crop.film();
-  }
-  CHECK(most.estimated_relmse() <= 0.02);
-  RenderSession last(scene, *accelerator, options, most);
-  last.run();
-  CHECK(last.film() == session.film());
 }
 
 TEST_CASE("snapshots taken while rendering only ever grow", "[unit][session]") {
