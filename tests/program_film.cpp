@@ -223,6 +223,8 @@ TEST_CASE("a film of another picture is refused, resumed or merged, with what di
   refused({"--max-depth", "3"}, "max-depth is 5 there and 3 here");
   refused({"--ray-offset", "book"}, "ray-offset is bounds there and book here");
   refused({"--accel", "list"}, "accel is bvh there and list here");
+  refused({"--accel", "embree"}, "accel is bvh there and embree, ");  // and its instruction set, on which bits depend
+  refused({"--strategies", "bsdf,light"}, "strategies is auto there and bsdf,light here");
   refused({"--needs", "all"}, "needs is scene there and all here");
   refused({"--set", "material.grey.albedo=[1,0,0]"}, "scene is ");
   small.change("radius = 1", "radius = 1.1");

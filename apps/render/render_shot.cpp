@@ -80,7 +80,7 @@ class ShotRender {
     for (const auto& file : outputs) outputs_.push_back(with_suffix(file, shot.suffix));
     if (!job.command.stats_file.empty()) stats_file_ = with_suffix(job.command.stats_file, shot.suffix);
     checkpoint_ = checkpoint_of(outputs_.front());
-    info_ = film_info(job.command, job.loaded, options_);
+    info_ = film_info(job.command, job.loaded, options_, job.accelerator.build_report());
   }
 
   bool run() {

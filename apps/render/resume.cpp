@@ -24,9 +24,17 @@ std::string text_of(const CameraSettings& c) {
                 static_cast<double>(c.defocus_angle), static_cast<double>(c.focus_distance));
 }
 
+/// What is traced with. Where batches are not answered as single rays are, as Embree's packets are not, neither need
+/// the answers of two instruction sets be the same.
+std::string tracer_text(const RenderCommand& command, const BuildReport& build) {
+  const bool same_everywhere = find_accelerator(command.accel).capabilities.batch_equals_single;
+  return accelerator_text(command) + (same_everywhere ? "" : ", " + build.isa);
+}
+
 }  // namespace
 
-FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options) {
+FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
+                   const BuildReport& build) {
   FilmInfo info;
   const PixelRect crop = options.crop.value_or(PixelRect{0, 0, options.width, options.height});
   info.settings = {{"version", RAYLAB_VERSION},
@@ -34,7 +42,7 @@ FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, cons
                    {"camera", text_of(options.camera)},
                    {"size", format("%dx%d", options.width, options.height)},
                    {"crop", format("%d,%d,%d,%d", crop.x, crop.y, crop.width, crop.height)},
-                   {"accel", accelerator_text(command)},
+                   {"accel", tracer_text(command, build)},
                    {"integrator", std::string(integrator_name(options.integrator.kind))},
                    {"sampler", std::string(sampler_name(options.sampler))},
                    {"seed", std::to_string(options.seed)},

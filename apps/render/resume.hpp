@@ -13,7 +13,8 @@
 namespace raylab {
 
 /// All that determines the picture, and the samples that are to be taken of it.
-FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options);
+FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
+                   const BuildReport& build);
 
 /// Where the checkpoint of a render with this first output is kept: "a.exr" has "a.exr.checkpoint.exr".
 std::filesystem::path checkpoint_of(const std::filesystem::path& output);
