@@ -2,6 +2,7 @@
 installed or cannot start is skipped by name. Whatever a test starts ends with it, and nothing of the system's
 configuration is read or changed."""
 
+import concurrent.futures
 import contextlib
 import ctypes
 import os
@@ -241,12 +242,13 @@ class Ssh(ClusterTest):
             self.skipTest(f"sshd cannot start or take a login here: {login.stderr.strip()} {log.read_text().strip()}")
 
     def test_hosts_of_which_a_render_is_killed(self):
-        spp = 3000
+        spp = 9000
         (self.servers / "hosts").write_text(f"{self.ssh}\n")
         run = self.start(self.command("--sshlogin", ":", "--sshloginfile", self.servers / "hosts", parts=4, spp=spp,
                                       render=["--checkpoint-every", "0.05s"]))
-        for part in ("part-0-750.exr", "part-750-1500.exr"):  # one on each host
-            self.kill_render(part)
+        # One on each host, side by side, as the second would not wait to be killed until the first is.
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            list(pool.map(self.kill_render, ("part-0-2250.exr", "part-2250-4500.exr")))
         said = run.communicate()[0]
         self.assertEqual(run.returncode, 0, said)
         hosts = [line.split("\t")[1] for line in (self.parts / "joblog").read_text().splitlines()]
