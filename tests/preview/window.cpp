@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "../catch.hpp"
 #include "../run_program.hpp"
@@ -46,9 +47,15 @@ struct Display : TempFolder {
   Display() { write_text(scene, kBall); }
 
   ProgramResult preview(std::vector<std::string> arguments) const {
-    // -nolisten and a screen with 24 bits are what GLFW needs; the software rasteriser is Mesa's choice there.
-    arguments.insert(arguments.begin(), {"-a", "-s", "-screen 0 1280x1024x24", kPreview});
-    return run_program(RAYLAB_XVFB_RUN, arguments);
+    arguments.insert(arguments.begin(), kPreview);
+    return run(std::move(arguments));
+  }
+  ProgramResult run(std::vector<std::string> command) const {
+    // -nolisten and a screen with 24 bits are what GLFW needs; the software rasteriser is Mesa's choice there. With a
+    // file of its own for authority, xvfb-run makes no folder, whose removal fails now and then where a program ends at
+    // once.
+    command.insert(command.begin(), {"-a", "-f", file("authority"), "-s", "-screen 0 1280x1024x24"});
+    return run_program(RAYLAB_XVFB_RUN, command);
   }
   void run_script(const std::string& script, std::vector<std::string> arguments = {}) const {
     write_text(*this / "script", script);
@@ -359,8 +366,7 @@ TEST_CASE("a window in which nothing happens costs less than a hundredth of a co
   const std::string script = "\"$0\" \"$1\" --view " + view +
                              " & pid=$!; sleep 4; cut -d' ' -f14,15 /proc/$pid/stat; sleep 5; "
                              "cut -d' ' -f14,15 /proc/$pid/stat; kill $pid";
-  const ProgramResult result =
-      run_program(RAYLAB_XVFB_RUN, {"-a", "-s", "-screen 0 1280x1024x24", "sh", "-c", script, kPreview, display.scene});
+  const ProgramResult result = display.run({"sh", "-c", script, kPreview, display.scene});
   std::istringstream ticks(result.out);
   int user = 0, system = 0, user_after = 0, system_after = 0;
   ticks >> user >> system >> user_after >> system_after;
