@@ -16,6 +16,7 @@ std::vector<RaySet> cornell_rays(std::size_t count, int max_depth) {
   const auto accelerator = make_accelerator("list", loaded.scene.geometry);
   IntegratorSettings settings;
   settings.max_depth = max_depth;
+  settings.strategies.sphere = false;  // or some would go to spheres
   return path_ray_sets(loaded.scene, loaded.camera, *accelerator, settings, count, 1);
 }
 

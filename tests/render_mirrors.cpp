@@ -97,10 +97,13 @@ TEST_CASE("where there is no plane mirror, no lamp or no room for a chain nothin
 
 TEST_CASE("strategies are chosen by name, each with those that it needs", "[unit][mirrors]") {
   CHECK(parse_strategies("auto").mirror);
+  CHECK(parse_strategies("auto").sphere);
+  CHECK(parse_strategies("bsdf,light,sphere").sphere);
   CHECK(parse_strategies("bsdf,light").light);
   CHECK_FALSE(parse_strategies("bsdf,light").mirror);
   CHECK_FALSE(parse_strategies("bsdf").light);
   expect_error(ErrorKind::usage, "--strategies", {"lights", "bsdf"}, [] { parse_strategies("bsdf,lights"); });
   expect_error(ErrorKind::usage, "--strategies", {"bsdf"}, [] { parse_strategies("bsdf,mirror"); });
+  expect_error(ErrorKind::usage, "--strategies", {"bsdf"}, [] { parse_strategies("bsdf,sphere"); });
   expect_error(ErrorKind::usage, "--strategies", {"bsdf"}, [] { parse_strategies("light"); });
 }

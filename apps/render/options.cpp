@@ -88,9 +88,11 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--isa", command.isa,
                  "Instruction set of bvh: sse4.2, avx2, avx512 or neon (default: the newest there is)")
       ->type_name("{sse4.2,avx2,avx512,neon}");
-  app.add_option("--strategies", command.strategies,
-                 "How light is looked for: auto (all that the scene needs), or of bsdf, light (points of lights) and "
-                 "mirror (the same over plane mirrors) those named, comma separated; the mean stays the same")
+  app.add_option(
+         "--strategies", command.strategies,
+         "How light is looked for: auto (all that the scene needs), or of bsdf, light (points of lights), mirror "
+         "(the same over plane mirrors) and sphere (the same over a sphere of glass or smooth metal) those named, "
+         "comma separated; the mean stays the same")
       ->capture_default_str();
   app.add_option("--ray-offset", command.ray_offset,
                  "How rays leave a surface: bounds (error bounds) or book (t_min = 0.001)")

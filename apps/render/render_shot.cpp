@@ -242,6 +242,7 @@ class ShotRender {
             session.integrator().lights().count,
             session.integrator().lights().bytes,
             session.integrator().mirror_chains(),
+            session.integrator().sphere_chains(),
             job_.load_seconds,
             estimated_relmse,
             stopped_by == "not yet" || stopped_by == "interrupt",

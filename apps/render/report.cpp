@@ -72,6 +72,10 @@ std::string report_text(const RenderReport& r) {
     text +=
         format("mirrors    lights are sampled over %zu chains of plane mirrors too (--strategies)\n", r.mirror_chains);
   }
+  if (r.sphere_chains > 0) {
+    text += format("spheres    lights are sampled over %zu ways off and through spheres too (--strategies)\n",
+                   r.sphere_chains);
+  }
   if (r.stopped_by != "samples") {
     text += format("stopped    by %s with %u to %u of %u samples a pixel\n", r.stopped_by.c_str(), r.taken.first,
                    r.taken.end, r.options.samples_per_pixel);
@@ -118,6 +122,7 @@ std::string report_json(const RenderReport& r) {
   json["scene_bytes"] = r.loaded.scene.bytes();
   json["light_bytes"] = r.light_bytes;
   json["mirror_chains"] = r.mirror_chains;
+  json["sphere_chains"] = r.sphere_chains;
   json["dropped_bytes"] = r.loaded.dropped_bytes;
   json["load_seconds"] = r.load_seconds;
   json["accel"] = r.command.accel;

@@ -16,7 +16,7 @@ struct RenderReport {
   const SceneNeeds& needs;
   std::size_t light_count;
   std::size_t light_bytes;
-  std::size_t mirror_chains;
+  std::size_t mirror_chains, sphere_chains;
   double load_seconds;
   double estimated_relmse;
   bool partial;

@@ -30,7 +30,7 @@ std::string_view integrator_name(IntegratorKind kind) {
 
 Strategies parse_strategies(std::string_view names) {
   if (names == "auto") return {};
-  Strategies found{false, false};
+  Strategies found{false, false, false};
   bool bsdf = false;
   for (std::string_view left = names; !left.empty();) {
     const std::string_view name = left.substr(0, left.find(','));
@@ -41,14 +41,16 @@ Strategies parse_strategies(std::string_view names) {
       found.light = true;
     } else if (name == "mirror") {
       found.mirror = true;
+    } else if (name == "sphere") {
+      found.sphere = true;
     } else {
       throw Error(ErrorKind::usage, "--strategies",
-                  "unknown strategy \"" + std::string(name) + "\"; expected auto, or of bsdf, light and mirror");
+                  "unknown strategy \"" + std::string(name) + "\"; expected auto, or of bsdf, light, mirror and sphere");
     }
   }
-  if (!bsdf || (found.mirror && !found.light)) {
+  if (!bsdf || ((found.mirror || found.sphere) && !found.light)) {
     throw Error(ErrorKind::usage, "--strategies",
-                "found " + std::string(names) + ", expected bsdf, then light, then mirror: each needs those before it");
+                "found " + std::string(names) + ", expected bsdf, then light, then mirror or sphere: each needs those before it");
   }
   return found;
 }
@@ -85,6 +87,7 @@ void Integrator::trace(const PathBatch& paths, BatchRadiance& radiance, RayCount
 LightStatistics Integrator::lights() const { return {shading_->lights.count(), shading_->lights.bytes()}; }
 
 std::size_t Integrator::mirror_chains() const { return shading_->mirrors.count(); }
+std::size_t Integrator::sphere_chains() const { return shading_->spheres.count(); }
 
 LightStatistics light_statistics(const Scene& scene, const SceneNeeds& needs) {
   const Lights lights(scene, needs);

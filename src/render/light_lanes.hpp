@@ -72,5 +72,14 @@ F triangle_pdf(const F& pdf_area, const Vec3<F>& p, const Vec3<F>& hit_position,
   return select(cosine > F(0.0f), pdf_area * dot(to_light, to_light) / cosine, F(0.0f));
 }
 
+/// A sample of a light as seen from a vertex: see LightSample.
+template <class F>
+struct SampledLight {
+  Vec3<F> wi, position, radiance;
+  F end, pdf;
+  MaskOf<F> infinite;
+  Vec3<F> ng{};
+};
+
 }  // namespace
 }  // namespace raylab

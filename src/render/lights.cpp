@@ -192,6 +192,7 @@ void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const
       out.radiance[k][i] = (&light.radiance.x)[k];
       out.wi[k][i] = (&light.wi.x)[k];
       out.position[k][i] = (&light.position.x)[k];
+      out.ng[k][i] = (&light.ng.x)[k];
     }
     out.end[i] = light.end;
     out.pdf[i] = light.pdf;
@@ -206,6 +207,7 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
   if (!(s.pdf > 0.0f)) return light;
   light.wi = s.wi;
   light.position = s.position;
+  light.ng = emitter.ng;
   light.end = s.end;
   light.pdf = s.pdf;
   light.radiance = emitter.radiance;
@@ -250,6 +252,7 @@ LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const 
     return light;
   }
   light.position = point.position;
+  light.ng = point.ng;
   const vec3 way = point.position - p;
   light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
   const Texture& texture = scene_.materials[material].color;

@@ -13,6 +13,7 @@ namespace raylab {
 struct LightSample {
   vec3 wi;           ///< unit, from the shaded point
   vec3 position;     ///< on the emitter; unused if infinite
+  vec3 ng;           ///< unit normal of the emitter there; unused if infinite
   float end = 0.0f;  ///< where the shadow ray ends, as a share of the way to the position; infinity if infinite
   Rgb radiance;      ///< that arrives when nothing is in between
   float pdf = 0.0f;  ///< per steradian at the shaded point, choice of the emitter included; 0: nothing to see
@@ -28,6 +29,7 @@ struct LightLanes {
   alignas(64) float radiance[3][kMost];
   alignas(64) float wi[3][kMost];
   alignas(64) float position[3][kMost];
+  alignas(64) float ng[3][kMost];
   alignas(64) float end[kMost];
   alignas(64) float pdf[kMost];
   std::uint32_t triangles;  ///< bit i: lane i is an emitting triangle of constant radiance

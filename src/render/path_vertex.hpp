@@ -16,8 +16,14 @@ namespace {
 /// Draws of one path segment, from Integrator::kFirstDimension on. kLightChoice is the lower half of the number whose
 /// upper half is kLightPoint's first: see Lights::sample().
 enum Draw : std::uint32_t { kDirection, kLobe, kLightPoint, kLightChoice, kRoulette, kDrawsPerSegment };
-/// Draws of a segment for light over mirrors, apart, so that scenes without have the numbers that they had.
-enum MirrorDraw : std::uint32_t { kMirrorPoint = 1u << 20, kMirrorChoice = kMirrorPoint << 1 };
+/// Draws of a segment for light over mirrors and over spheres, apart, so that scenes without have the numbers that they
+/// had.
+enum SpecularDraw : std::uint32_t {
+  kMirrorPoint = 1u << 20,
+  kMirrorChoice = 2u << 20,
+  kSpherePoint = 3u << 20,
+  kSphereChoice = 4u << 20
+};
 
 /// First dimension of a segment's draws; the camera ray is segment 1.
 constexpr std::uint32_t first_draw(int segment) {
@@ -105,14 +111,6 @@ template <class F>
 Vec3<F> ray_start(const PathVertex<F>& v, const Vec3<F>& direction, RayOffset offset) {
   return offset == RayOffset::book ? v.point.position : offset_origin<F>(v.point, direction);
 }
-
-/// A sample of a light as seen from a vertex: see LightSample.
-template <class F>
-struct SampledLight {
-  Vec3<F> wi, position, radiance;
-  F end, pdf;
-  MaskOf<F> infinite;
-};
 
 /// A ray towards a light, and what arrives along it if nothing is in between.
 template <class F>

@@ -2,6 +2,7 @@
 
 #include "path_vertex.hpp"
 #include "raylab/scene/surface_point.hpp"
+#include "sphere_chain_lanes.hpp"
 
 namespace raylab {
 
@@ -9,23 +10,29 @@ namespace {
 
 using Sample = BasicSampler<float>;
 
-/// Light from outside the scene along the path's last ray, which over mirrors is not sampled.
-Rgb escaped(const ShadingScene& s, const PathState<float>& path, std::uint32_t chain) {
+/// Light from outside the scene along the path's last ray.
+Rgb escaped(const ShadingScene& s, const PathState<float>& path, ChainId chain) {
   Rgb radiance = s.scene.environment.radiance(path.direction);
   if (s.sample_lights) {
-    radiance *= met_light_weight(path, chain == 0 ? s.lights.environment_pdf(path.direction) : 0.0f);
+    float pdf = s.lights.environment_pdf(path.direction);
+    vec3 from = path.scatter_position, direction = path.direction;
+    if (s.has_chains()) pdf *= s.chain_share(chain, from, path.origin, direction, direction, direction, true);
+    radiance *= met_light_weight(path, pdf);
   }
   return radiance;
 }
 
 /// Light that an emitter sends along the path's last ray.
 Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit, std::uint32_t material,
-            const SurfacePoint& point, const Rgb& color, std::uint32_t chain) {
+            const SurfacePoint& point, const Rgb& color, ChainId chain) {
   if (!s.sample_lights) return path.throughput * color;
+  vec3 from = path.scatter_position, direction = path.direction;
+  float share = 1.0f;
+  if (s.has_chains()) share = s.chain_share(chain, from, path.origin, direction, point.position, point.ng, false);
   float pdf = s.scene.geometry.is_sphere(hit.geometry)
-                  ? s.lights.sphere_pdf(hit.primitive, material, path.scatter_position, point.position, path.direction)
-                  : s.lights.triangle_pdf(material, path.scatter_position, point.position, point.ng, path.direction);
-  if (!s.mirrors.empty()) pdf *= s.mirrors.share(chain);
+                  ? s.lights.sphere_pdf(hit.primitive, material, from, point.position, direction)
+                  : s.lights.triangle_pdf(material, from, point.position, point.ng, direction);
+  if (s.has_chains()) pdf *= share;
   return path.throughput * color * met_light_weight(path, pdf);
 }
 
@@ -62,6 +69,34 @@ Rgb mirrored_light(const ShadingScene& s, const PathVertex<float>& v, const Path
   return s.accelerator.occluded(ray.ray) ? Rgb(0.0f) : ray.radiance;
 }
 
+/// The same over a sphere.
+Rgb sphere_light(const ShadingScene& s, const PathVertex<float>& v, const PathState<float>& path, const Sample& sampler,
+                 std::uint32_t draw, int segment, RayCounts& counts) {
+  const auto bits = sampler.bits2(draw + kSpherePoint);
+  const auto choices = sampler.bits2(draw + kSphereChoice);
+  const SphereChainTable& table = s.spheres.table();
+  const ChosenChain<float> chosen = choose_chain<float>(
+      table.count, [&](int k, int row) { return table.columns[k][row]; }, v.point.position,
+      bits_to_unit(choices.second));
+  const auto column = [&](int k) { return table.columns[k][chosen.row]; };
+  const SphereChain<float> chain = sphere_chain<float>(column);
+  if (chain.crossings > static_cast<float>(s.settings.max_depth - segment - 2)) return Rgb(0.0f);
+  const LightSample from_center = s.lights.sample(
+      chain.center, static_cast<std::uint64_t>(bits.first) << 32 | choices.first, bits_to_unit(bits.second));
+  const SampledLight<float> light{from_center.wi,  from_center.position, from_center.radiance, from_center.end,
+                                  from_center.pdf, from_center.infinite, from_center.ng};
+  const LightOverSphere<float> over = light_over_sphere<float>(chain, chosen, v.point.position, light);
+  const ShadowRay<float> first = shadow_ray<float>(
+      v, path, {over.wi, light.position, light.radiance, kInfinity, over.pdf, true}, s.settings.ray_offset);
+  if (!first.usable) return Rgb(0.0f);
+  const SphereRays<float> rays = sphere_rays<float>(chain, over, light, first.origin);
+  ++counts.shadow;
+  if (s.accelerator.occluded({first.origin, rays.first_direction, first.t_min, rays.first_end})) return Rgb(0.0f);
+  ++counts.shadow;
+  if (s.accelerator.occluded({rays.origin, rays.direction, 0.0f, rays.end})) return Rgb(0.0f);
+  return first.radiance * Vec3<float>(column(7), column(8), column(9));
+}
+
 /// The argument of shading_normal() in scene/surface_lanes.hpp.
 vec3 normal_sum(const Geometry& geometry, const Hit& hit) {
   if (geometry.is_sphere(hit.geometry) || geometry.meshes[hit.geometry].normals.empty()) return vec3(0.0f);
@@ -73,7 +108,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
   const Scene& scene = s.scene;
   Rgb radiance(0.0f);
   float t_min = 0.0f;
-  std::uint32_t chain = 0;  // of the mirrors since the last vertex from which lights were sampled
+  ChainId chain = 0;  // of the specular surfaces since the last vertex from which lights were sampled
   for (int segment = 1;; ++segment) {
     ++(segment == 1 ? counts.camera : counts.scattered);
     const Ray ray{path.origin, path.direction, t_min};
@@ -98,14 +133,18 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     if (!s.mirrors.empty() && has_density(v.material)) {
       radiance += mirrored_light(s, v, path, sampler, draw, segment, counts);
     }
+    if (!s.spheres.empty() && has_density(v.material)) {
+      radiance += sphere_light(s, v, path, sampler, draw, segment, counts);
+    }
 
     const Vec2<float> u = sampler.get2(draw + kDirection);
     const float lobe = has_lobes(v.material) ? sampler.get1(draw + kLobe) : 0.0f;
     const PathState<float> before = path;
     if (!scatter<float>(v, u, lobe, s.settings.ray_offset, path)) return radiance;
-    if (!s.mirrors.empty()) {
+    if (s.has_chains()) {
       vec3 from = before.scatter_position;
-      if (before.scatter_pdf > 0.0f && s.mirrors.follow(hit->geometry, hit->primitive, chain, from)) {
+      const bool reflected = dot(Vec3<float>(path.direction), v.ng) > 0.0f;
+      if (before.scatter_pdf > 0.0f && s.follow(hit->geometry, hit->primitive, reflected, chain, from)) {
         path.scatter_pdf = before.scatter_pdf;
         path.scatter_position = from;
       } else {

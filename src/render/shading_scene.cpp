@@ -27,6 +27,8 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
       mirrors(sample_lights && settings_.strategies.mirror && needs_.plane_mirrors
                   ? MirrorImages(scene_, lights, settings_.max_depth)
                   : MirrorImages()),
+      spheres(sample_lights && settings_.strategies.sphere && needs_.specular_spheres ? SphereChains(scene_)
+                                                                                      : SphereChains()),
       emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].p0.x),
       light_table(lights.table()) {
   materials.reserve(scene.materials.size() + 1);
@@ -91,6 +93,24 @@ void ShadingScene::fetch_surfaces(const HitLanes& hits, int count, SurfaceLanes&
   }
   out.spheres = spheres;
   out.varying = varying;
+}
+
+bool ShadingScene::follow(std::uint32_t geometry, std::uint32_t primitive, bool reflected, ChainId& chain,
+                          vec3& from) const {
+  if (needs.spheres && scene.geometry.is_sphere(geometry)) {
+    return !spheres.empty() && spheres.follow(primitive, reflected, chain);
+  }
+  return !mirrors.empty() && !is_over_sphere(chain) && mirrors.follow(geometry, primitive, chain, from);
+}
+
+float ShadingScene::chain_share(ChainId chain, vec3& p, const vec3& origin, vec3& direction, const vec3& light,
+                                const vec3& ng, bool infinite) const {
+  if (chain == 0) return 1.0f;
+  if (!is_over_sphere(chain)) return infinite ? 0.0f : mirrors.share(chain);
+  const SphereChains::Share share = spheres.share(chain, p, origin, direction, light, ng, infinite);
+  p = share.center;
+  if (!infinite) direction = glm::normalize(light - share.center);
+  return share.factor;
 }
 
 void ShadingScene::look_up_colors(const HitLanes& hits, const VectorLanes& position, const VectorLanes& ng,

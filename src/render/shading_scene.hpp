@@ -6,6 +6,7 @@
 #include "mirror_images.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/surface_point.hpp"
+#include "sphere_chains.hpp"
 
 namespace raylab {
 
@@ -61,6 +62,17 @@ struct ShadingScene {
   /// Radiance from outside the scene for some lanes, and Lights::environment_pdf.
   void environment(std::uint32_t lanes, const VectorLanes& direction, VectorLanes& radiance, float* pdf) const;
 
+  /// Whether lights are sampled over specular surfaces.
+  bool has_chains() const { return !mirrors.empty() || !spheres.empty(); }
+  /// Whether a path that a surface has turned, `reflected` or refracted, follows a chain over which lights are sampled;
+  /// then has `chain` go on by the surface, and moves the point `from`, which the path comes from, to its image.
+  bool follow(std::uint32_t geometry, std::uint32_t primitive, bool reflected, ChainId& chain, vec3& from) const;
+  /// For a path that has come from p over a chain and now meets, along `direction`, a light, or if `infinite` leaves
+  /// the scene: where the light is sampled from, in p, in what direction from there, in `direction`, and the density
+  /// over that which the light has from there.
+  float chain_share(ChainId chain, vec3& p, const vec3& origin, vec3& direction, const vec3& light, const vec3& ng,
+                    bool infinite) const;
+
   const Scene& scene;
   const Camera& camera;
   const Accelerator& accelerator;
@@ -69,6 +81,7 @@ struct ShadingScene {
   Lights lights;
   bool sample_lights;
   MirrorImages mirrors;                ///< empty where lights are not sampled over them
+  SphereChains spheres;                ///< likewise
   std::vector<MaterialRow> materials;  ///< the last is that of rays that have hit nothing
   // For the lanes of vectors: the same by rows, or of few materials by columns, and those of emitting triangles.
   const float* material_rows;

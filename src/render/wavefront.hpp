@@ -23,11 +23,13 @@ class Wavefront {
       kept_ = 0;
       shadows_ = 0;
       mirrored_ = 0;
+      over_spheres_ = 0;
       for (std::size_t first = 0; first < count_; first += kLanes) shade(first, segment);
       count_ = kept_;
       counts.shadow += shadows_;
-      trace_shadow_rays();
+      trace_shadow_rays(shadow_, shadows_);
       if (mirrored_ != 0) trace_mirrored_rays(counts);
+      if (over_spheres_ != 0) trace_rays_over_spheres(counts);
     }
   }
 
@@ -107,6 +109,7 @@ class Wavefront {
       const WideMask lit = alive & has_density(material);
       if (any(lit)) light_samples(lit, first, sampler, draw, vertex, path);
       if (any(lit) && !scene_.mirrors.empty()) mirrored_light_samples(lit, first, segment, sampler, draw, vertex, path);
+      if (any(lit) && !scene_.spheres.empty()) sphere_light_samples(lit, first, segment, sampler, draw, vertex, path);
     }
     go_on(alive, first, segment, sampler, u, vertex, path);
   }
@@ -164,10 +167,15 @@ class Wavefront {
       store3(path.direction, d);
       scene_.environment(lanes.bits(), d, r, pdf);
       arriving = load3(r);
-      for (int i = 0; i < kLanes && !scene_.mirrors.empty(); ++i) {  // over mirrors it is not sampled
-        if (paths_.chain[first + static_cast<std::size_t>(i)] != 0) pdf[i] = 0.0f;
+      if (scene_.sample_lights) {
+        Wide density = Wide::load(pdf);
+        if (scene_.has_chains()) {
+          VectorLanes from;
+          store3(path.scatter_position, from);
+          density = density * chain_shares(lanes, first, path, d, d, true, from, d);
+        }
+        arriving = arriving * met_light_weight(path, density);
       }
-      if (scene_.sample_lights) arriving = arriving * met_light_weight(path, Wide::load(pdf));
     } else if (environment.kind == Environment::Kind::gradient) {
       const Wide a = Wide(0.5f) * (path.direction.y + Wide(1.0f));
       arriving = (Wide(1.0f) - a) * WideVec3(environment.bottom) + a * WideVec3(environment.top);
@@ -180,44 +188,73 @@ class Wavefront {
                 const PathState<Wide>& path, const WideVec3& radiance) {
     Wide weight(1.0f);
     if (scene_.sample_lights) {
-      Wide pdf = triangle_pdf<Wide>(pdf_area, path.scatter_position, point.position, point.ng, path.direction);
+      WideVec3 from = path.scatter_position, wi = path.direction;
+      Wide share(1.0f);
+      VectorLanes p, position, direction;
       const WideMask spheres = lanes & WideMask::of(surfaces_.spheres);
-      if (any(spheres)) {
-        VectorLanes p, position, direction;
-        alignas(64) float sphere_pdf[kMostLanes];
-        store3(path.scatter_position, p);
+      const bool chains = scene_.has_chains() && are_over_chains(lanes, first);
+      if (chains || any(spheres)) {
+        store3(from, p);
         store3(point.position, position);
-        store3(path.direction, direction);
+        store3(wi, direction);
+      }
+      if (chains) {
+        VectorLanes ng;
+        store3(point.ng, ng);
+        share = chain_shares(lanes, first, path, position, ng, false, p, direction);
+        from = load3(p);
+        wi = load3(direction);
+      }
+      Wide pdf = triangle_pdf<Wide>(pdf_area, from, point.position, point.ng, wi);
+      if (any(spheres)) {
+        alignas(64) float sphere_pdf[kMostLanes];
         scene_.sphere_light_pdfs(spheres.bits(), hits, p, position, direction, sphere_pdf);
         pdf = select(spheres, Wide::load(sphere_pdf), pdf);
       }
-      if (!scene_.mirrors.empty()) {
-        alignas(64) float share[kMostLanes] = {};
-        for (std::uint32_t left = lanes.bits(); left != 0; left &= left - 1) {
-          const int i = __builtin_ctz(left);
-          share[i] = scene_.mirrors.share(paths_.chain[first + static_cast<std::size_t>(i)]);
-        }
-        pdf = pdf * Wide::load(share);
-      }
+      if (chains) pdf = pdf * share;
       weight = met_light_weight(path, pdf);
     }
     add_radiance(lanes, first, path.throughput * radiance * weight);
   }
 
+  /// ShadingScene::chain_share for the lanes.
+  Wide chain_shares(WideMask lanes, std::size_t first, const PathState<Wide>& path, const VectorLanes& light,
+                    const VectorLanes& ng, bool infinite, VectorLanes& from, VectorLanes& direction) const {
+    alignas(64) float share[kMostLanes];
+    VectorLanes origin;
+    store3(path.origin, origin);
+    for (int i = 0; i < kLanes; ++i) {
+      share[i] = 1.0f;
+      const ChainId chain = paths_.chain[first + static_cast<std::size_t>(i)];
+      if ((lanes.bits() >> i & 1u) == 0 || chain == 0) continue;
+      vec3 p = lane(from, i), wi = lane(direction, i);
+      share[i] = scene_.chain_share(chain, p, lane(origin, i), wi, lane(light, i), lane(ng, i), infinite);
+      for (int c = 0; c < 3; ++c) {
+        from[c][i] = p[c];
+        direction[c][i] = wi[c];
+      }
+    }
+    return Wide::load(share);
+  }
+  bool are_over_chains(WideMask lanes, std::size_t first) const {
+    ChainId chains = 0;
+    for (std::uint32_t left = lanes.bits(); left != 0; left &= left - 1) {
+      chains |= paths_.chain[first + static_cast<std::size_t>(__builtin_ctz(left))];
+    }
+    return chains != 0;
+  }
+  static vec3 lane(const VectorLanes& a, int i) { return {a[0][i], a[1][i], a[2][i]}; }
+
   /// Shadow rays towards one point of one light for each lane.
   [[gnu::noinline]] void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler,
                                        std::uint32_t draw, const PathVertex<Wide>& vertex,
                                        const PathState<Wide>& path) {
-    const ShadowRay<Wide> ray =
-        shadow_ray(vertex, path, sample_lights(lanes, sampler, draw, vertex.point.position), offset_);
+    const ShadowRay<Wide> ray = shadow_ray(
+        vertex, path, sample_lights(lanes, sampler, draw + kLightPoint, draw + kLightChoice, vertex.point.position),
+        offset_);
     const WideMask usable = lanes & ray.usable;
     if (!any(usable)) return;
-    compress3(ray.origin, usable, shadow_.origin, shadows_);
-    compress3(ray.direction, usable, shadow_.direction, shadows_);
-    compress(ray.t_min, usable, shadow_.t_min + shadows_);
-    compress(ray.t_max, usable, shadow_.t_max + shadows_);
-    compress3(ray.radiance, usable, shadow_.radiance, shadows_);
-    compress(WideUInt::load(paths_.slot + first), usable, shadow_.slot + shadows_);
+    put(usable, first, ray, shadow_, shadows_);
     shadows_ += static_cast<std::size_t>(__builtin_popcount(usable.bits()));
   }
 
@@ -262,16 +299,65 @@ class Wavefront {
     ray.t_min.store(t_min);
     for (std::uint32_t left = usable.bits(); left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
-      const auto three = [i](const VectorLanes& a) { return vec3(a[0][i], a[1][i], a[2][i]); };
       mirror_.put(mirrored_++,
-                  {{three(origin), three(direction), t_min[i]},
+                  {{lane(origin, i), lane(direction, i), t_min[i]},
                    lights[i].light,
                    lights[i].gap,
-                   three(radiance),
+                   lane(radiance, i),
                    lights[i].chain,
                    0},
                   paths_.slot[first + static_cast<std::size_t>(i)]);
     }
+  }
+
+  /// The same over spheres.
+  [[gnu::noinline]] void sphere_light_samples(WideMask lanes, std::size_t first, int segment,
+                                              const BasicSampler<Wide>& sampler, std::uint32_t draw,
+                                              const PathVertex<Wide>& vertex, const PathState<Wide>& path) {
+    const SphereChainTable& table = scene_.spheres.table();
+    const WideVec3& p = vertex.point.position;
+    const ChosenChain<Wide> chosen = choose_chain<Wide>(
+        table.count, [&](int k, int row) { return table.columns[k][row]; }, p,
+        bits_to_unit(sampler.bits2(draw + kSphereChoice).second));
+    const auto column = [&](int k) { return look_up16(table.columns[k], chosen.row); };
+    const SphereChain<Wide> chain = sphere_chain<Wide>(column);
+    lanes = lanes & (chain.crossings <= Wide(static_cast<float>(scene_.settings.max_depth - segment - 2)));
+    if (!any(lanes)) return;
+    const SampledLight<Wide> light =
+        sample_lights(lanes, sampler, draw + kSpherePoint, draw + kSphereChoice, chain.center);
+    const LightOverSphere<Wide> over = light_over_sphere<Wide>(chain, chosen, p, light);
+    const ShadowRay<Wide> to_sphere = shadow_ray<Wide>(
+        vertex, path, {over.wi, light.position, light.radiance, Wide(kInfinity), over.pdf, WideMask::of(~0u)}, offset_);
+    const WideMask usable = lanes & to_sphere.usable;
+    if (!any(usable)) return;
+    const SphereRays<Wide> way = sphere_rays<Wide>(chain, over, light, to_sphere.origin);
+    const WideVec3 radiance = to_sphere.radiance * WideVec3(column(7), column(8), column(9));
+    put(usable, first, {to_sphere.origin, way.first_direction, to_sphere.t_min, way.first_end, radiance, usable},
+        sphere_.first, over_spheres_);
+    put(usable, first, {way.origin, way.direction, Wide(0.0f), way.end, radiance, usable}, sphere_.last, over_spheres_);
+    over_spheres_ += static_cast<std::size_t>(__builtin_popcount(usable.bits()));
+  }
+
+  void put(WideMask lanes, std::size_t first, const ShadowRay<Wide>& ray, ShadowQueue& to, std::size_t at) const {
+    compress3(ray.origin, lanes, to.origin, at);
+    compress3(ray.direction, lanes, to.direction, at);
+    compress(ray.t_min, lanes, to.t_min + at);
+    compress(ray.t_max, lanes, to.t_max + at);
+    compress3(ray.radiance, lanes, to.radiance, at);
+    compress(WideUInt::load(paths_.slot + first), lanes, to.slot + at);
+  }
+
+  /// To the spheres, and those that get there on to the lights.
+  void trace_rays_over_spheres(RayCounts& counts) {
+    counts.shadow += over_spheres_;
+    scene_.accelerator.occluded_batch(rays(sphere_.first, over_spheres_), sphere_.first.occluded);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < over_spheres_; ++i) {
+      if (sphere_.first.occluded[i] != 0) continue;
+      sphere_.last.move(i, kept++);
+    }
+    counts.shadow += kept;
+    trace_shadow_rays(sphere_.last, kept);
   }
 
   /// From mirror to mirror, and past the last ones to the lights.
@@ -296,7 +382,7 @@ class Wavefront {
       }
     }
     counts.shadow += shadows_;
-    trace_shadow_rays();
+    trace_shadow_rays(shadow_, shadows_);
   }
 
   void put_shadow_ray(const MirroredRay& ray, std::uint32_t slot) {
@@ -310,9 +396,10 @@ class Wavefront {
     shadow_.slot[shadows_++] = slot;
   }
 
-  SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t draw,
-                                   const WideVec3& position) {
-    const auto bits = sampler.bits2(draw + kLightPoint);
+  /// Of the dimensions `point` and `choice`, see Draw.
+  SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t point,
+                                   std::uint32_t choice, const WideVec3& position) {
+    const auto bits = sampler.bits2(point);
     const Wide v = bits_to_unit(bits.second);
     const LightTable& few = scene_.light_table;
     if (few.count != 0) {
@@ -326,13 +413,14 @@ class Wavefront {
     alignas(64) float v_lanes[kMostLanes];
     VectorLanes p;
     bits.first.store(select_high);
-    sampler.bits2(draw + kLightChoice).first.store(select_low);
+    sampler.bits2(choice).first.store(select_low);
     v.store(v_lanes);
     store3(position, p);
     scene_.lights.sample(lanes.bits(), select_high, select_low, v_lanes, {p[0], p[1], p[2]}, light_);
     const WideMask triangles = WideMask::of(light_.triangles);
     SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
-                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite)};
+                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite),
+                             load3(light_.ng)};
     if (any(triangles)) {
       constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
       const WideUInt chosen = WideUInt::load(light_.emitter) * row;
@@ -343,6 +431,7 @@ class Wavefront {
       light.end = select(triangles, s.end, light.end);
       light.radiance = select<Wide>(triangles, s.radiance, light.radiance);
       light.pdf = select(triangles, s.pdf, light.pdf);
+      light.ng = select<Wide>(triangles, s.ng, light.ng);
     }
     return light;
   }
@@ -353,7 +442,7 @@ class Wavefront {
     const auto three = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
     const EmittingTriangle<Wide> emitter{three(0), three(3), three(6), three(9), column(12), column(13)};
     const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, position, u);
-    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0)};
+    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0), emitter.ng};
   }
 
   /// Scatters, and keeps the paths that go on.
@@ -366,7 +455,7 @@ class Wavefront {
     const WideVec3 position_before = path.scatter_position;
     alive = alive & scatter(vertex, u, lobe, offset_, path);
     alignas(64) std::uint32_t chain[kMostLanes];
-    if (!scene_.mirrors.empty()) follow_mirrors(alive, first, pdf_before, position_before, path, chain);
+    if (scene_.has_chains()) follow_chains(alive, first, pdf_before, position_before, vertex, path, chain);
     if (segment >= Integrator::kFirstRouletteSegment && scene_.settings.kind != IntegratorKind::book)
       alive = alive & survives_roulette(sampler.get1(draw + kRoulette), path);
     if (!any(alive)) return;
@@ -377,13 +466,14 @@ class Wavefront {
     keep(paths_.seed_high);
     keep(paths_.sample);
     keep(paths_.slot);
-    if (!scene_.mirrors.empty()) compress(WideUInt::load(chain), alive, paths_.chain + kept_);
+    if (scene_.has_chains()) compress(WideUInt::load(chain), alive, paths_.chain + kept_);
     kept_ += static_cast<std::size_t>(__builtin_popcount(alive.bits()));
   }
 
-  /// Has paths that a mirror reflects go on as from the image of where they came from: see MirrorImages.
-  void follow_mirrors(WideMask alive, std::size_t first, Wide pdf_before, const WideVec3& position_before,
-                      PathState<Wide>& path, std::uint32_t* chain) const {
+  /// Has paths that specular surfaces turn go on over them: see ShadingScene::follow.
+  void follow_chains(WideMask alive, std::size_t first, Wide pdf_before, const WideVec3& position_before,
+                     const PathVertex<Wide>& vertex, PathState<Wide>& path, std::uint32_t* chain) const {
+    const std::uint32_t reflected = (dot(path.direction, vertex.ng) > Wide(0.0f)).bits();
     alignas(64) float before[kMostLanes], pdf[kMostLanes];
     VectorLanes from, position;
     pdf_before.store(before);
@@ -394,9 +484,9 @@ class Wavefront {
       chain[i] = 0;
       if ((alive.bits() >> i & 1u) == 0 || !(before[i] > 0.0f)) continue;
       const std::size_t at = first + static_cast<std::size_t>(i);
-      std::uint32_t followed = paths_.chain[at];
-      vec3 p(from[0][i], from[1][i], from[2][i]);
-      if (!scene_.mirrors.follow(hit_geometry_[at], hit_primitive_[at], followed, p)) continue;
+      ChainId followed = paths_.chain[at];
+      vec3 p = lane(from, i);
+      if (!scene_.follow(hit_geometry_[at], hit_primitive_[at], (reflected >> i & 1u) != 0, followed, p)) continue;
       chain[i] = followed;
       pdf[i] = before[i];
       for (int c = 0; c < 3; ++c) position[c][i] = p[c];
@@ -405,12 +495,12 @@ class Wavefront {
     path.scatter_position = load3(position);
   }
 
-  void trace_shadow_rays() {
-    if (shadows_ == 0) return;
-    scene_.accelerator.occluded_batch(rays(shadow_, shadows_), shadow_.occluded);
-    for (std::size_t i = 0; i < shadows_; ++i) {
-      if (shadow_.occluded[i] != 0) continue;
-      for (std::size_t c = 0; c < 3; ++c) radiance_[c].data()[shadow_.slot[i]] += shadow_.radiance[c][i];
+  void trace_shadow_rays(ShadowQueue& shadow, std::size_t count) {
+    if (count == 0) return;
+    scene_.accelerator.occluded_batch(rays(shadow, count), shadow.occluded);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (shadow.occluded[i] != 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) radiance_[c].data()[shadow.slot[i]] += shadow.radiance[c][i];
     }
   }
 
@@ -418,10 +508,11 @@ class Wavefront {
   SamplerKind sampler_kind_;
   RayOffset offset_;
   BatchRadiance& radiance_;
-  std::size_t count_ = 0, kept_ = 0, shadows_ = 0, mirrored_ = 0;
+  std::size_t count_ = 0, kept_ = 0, shadows_ = 0, mirrored_ = 0, over_spheres_ = 0;
   PathQueue paths_;
   ShadowQueue shadow_;
   MirrorQueue mirror_;
+  SphereQueue sphere_;
   alignas(64) Floats hit_t_, hit_u_, hit_v_;
   UInts hit_geometry_, hit_primitive_;
   SurfaceLanes surfaces_{};

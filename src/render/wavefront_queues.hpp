@@ -6,6 +6,7 @@
 #include "core/simd/permutation.hpp"
 #include "path_vertex.hpp"
 #include "shading_scene.hpp"
+#include "sphere_chain_lanes.hpp"
 
 namespace raylab {
 namespace {
@@ -36,7 +37,7 @@ struct alignas(64) PathQueue {
   Floats scatter_position[3];
   UInts seed_low, seed_high, sample;
   UInts slot;   ///< in the batch
-  UInts chain;  ///< of mirrors since the last vertex from which lights were sampled; of scenes that have some
+  UInts chain;  ///< of specular surfaces since the last vertex from which lights were sampled; of scenes that have some
 
   PathState<Wide> load(std::size_t i) const {
     return {load3(origin, i),          load3(direction, i),         load3(throughput, i),
@@ -73,6 +74,18 @@ struct alignas(64) ShadowQueue {
   Floats radiance[3];
   UInts slot;
   std::uint8_t occluded[kRoom];
+
+  /// Copies a ray to an earlier place.
+  void move(std::size_t from, std::size_t to) {
+    for (int c = 0; c < 3; ++c) {
+      origin[c][to] = origin[c][from];
+      direction[c][to] = direction[c][from];
+      radiance[c][to] = radiance[c][from];
+    }
+    t_min[to] = t_min[from];
+    t_max[to] = t_max[from];
+    slot[to] = slot[from];
+  }
 };
 
 /// Rays on their way to lights over mirrors: MirroredRay.
@@ -101,6 +114,11 @@ struct alignas(64) MirrorQueue {
     return {
         {three(origin), three(direction), t_min[i], t_max[i]}, three(light), gap[i], three(radiance), chain[i], met[i]};
   }
+};
+
+/// Ways over spheres: rays to the spheres, the rays from there to the lights, and what arrives.
+struct alignas(64) SphereQueue {
+  ShadowQueue first, last;
 };
 
 }  // namespace

@@ -74,12 +74,16 @@ SceneNeeds scene_needs(const Scene& scene) {
       needs.plane_mirrors |= used[k] && is_mirror(scene.materials[k]) && scene.geometry.meshes[i].normals.empty();
     }
   }
-  for (const std::uint32_t id : scene.sphere_materials) needs.area_lights |= is_light(scene.materials[id]);
+  for (const std::uint32_t id : scene.sphere_materials) {
+    const Material& m = scene.materials[id];
+    needs.area_lights |= is_light(m);
+    needs.specular_spheres |= is_mirror(m) || m.kind == Material::Kind::dielectric;
+  }
   needs.environment_sampling = scene.environment.kind == Environment::Kind::image && !scene.environment.is_black();
   return needs;
 }
 
-SceneNeeds all_needs() { return {true, true, true, true, true}; }
+SceneNeeds all_needs() { return {true, true, true, true, true, true}; }
 
 std::size_t drop_unneeded(Scene& scene) {
   std::size_t freed = 0;
@@ -104,6 +108,7 @@ std::vector<std::string> describe(const SceneNeeds& needs) {
   line(needs.area_lights, "area lights", "emitting primitives are sampled");
   line(needs.environment_sampling, "background sampling", "directions chosen by a picture's brightness");
   line(needs.plane_mirrors, "plane mirrors", "lights are sampled over them too");
+  line(needs.specular_spheres, "specular spheres", "lights are sampled over them too, off them and through");
   return lines;
 }
 

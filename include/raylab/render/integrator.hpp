@@ -34,9 +34,10 @@ enum class RayOffset : std::uint8_t {
 struct Strategies {
   bool light = true;   ///< points of lights are sampled
   bool mirror = true;  ///< and points of lights as seen over plane mirrors, where a scene has some
+  bool sphere = true;  ///< and over spheres of glass or smooth metal
 };
-/// From "auto" (all that the scene needs), or names from bsdf, light and mirror with commas between them. Throws Error
-/// (usage).
+/// From "auto" (all that the scene needs), or names from bsdf, light, mirror and sphere with commas between them. Throws
+/// Error (usage).
 Strategies parse_strategies(std::string_view names);
 
 struct IntegratorSettings {
@@ -125,6 +126,8 @@ class Integrator {
   LightStatistics lights() const;
   /// Chains of plane mirrors over which lights are sampled.
   std::size_t mirror_chains() const;
+  /// Ways over single spheres that are sampled: off a sphere of smooth metal, off and through one of glass.
+  std::size_t sphere_chains() const;
 
  private:
   std::unique_ptr<const ShadingScene> shading_;
