@@ -267,6 +267,12 @@ TEST_CASE("overlaps and damage are refused when films are merged, and gaps are s
   const ProgramResult damaged = raylab_image({"merge", a, c, "-o", out});
   CHECK(damaged.exit_code == 3);
   CHECK(contains(damaged.err, a + ": its film is damaged at pixel 14, 7"));
+  const ProgramResult described = raylab_image({"info", a});
+  CHECK(described.exit_code == 3);
+  CHECK(contains(described.out, "film: samples 0:4 of 4"));
+  CHECK(described.err ==
+        "raylab-image: " + a + ": its film is damaged in 1 rows of 8, at 1 pixels: row 7: 1 from x = 14\n");
+  CHECK(contains(raylab_image({"info", c}).out, "film sums: whole\n"));
   const ProgramResult picture = raylab_image({"merge", c, (small / "none.exr").string(), "-o", out});
   CHECK(picture.exit_code == 3);
 }

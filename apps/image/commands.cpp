@@ -1,11 +1,14 @@
 #include "commands.hpp"
 
 #include <algorithm>
+#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 #include "raylab/image/film_file.hpp"
 #include "raylab/image/metrics.hpp"
 
@@ -68,6 +71,25 @@ void print_ranges(const Image& image) {
   }
 }
 
+/// Throws where sums of the film are not as they were written, with the first rows that have damaged pixels.
+void check_sums(FilmFile& film) {
+  const std::vector<DamagedRow> rows = film.damaged_rows();
+  if (rows.empty()) return;
+  constexpr std::size_t kMostNamed = 5;
+  std::int64_t pixels = 0;
+  std::string where;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    pixels += rows[i].pixels;
+    if (i < kMostNamed)
+      where += format("%s row %d: %d from x = %d", i ? ";" : "", rows[i].y, rows[i].pixels, rows[i].first);
+  }
+  if (rows.size() > kMostNamed) where += "; and more";
+  throw Error(
+      ErrorKind::input, film.name().string(),
+      format("its film is damaged in %zu rows of %d, at %" PRId64 " pixels:", rows.size(), film.height(), pixels) +
+          where);
+}
+
 }  // namespace
 
 void info(const fs::path& file) {
@@ -87,11 +109,14 @@ void info(const fs::path& file) {
   if (is_there("Y 8-bit") || (is_there("R ") && is_there("G ") && is_there("B "))) print_ranges(read_image(file));
   for (const auto& [name, value] : info.attributes) std::printf("%s: %s\n", name.c_str(), value.c_str());
   if (!FilmFile::is_one(file)) return;
-  const FilmInfo film = FilmFile(file).info();
+  FilmFile opened(file);
+  const FilmInfo& film = opened.info();
   std::printf("film:");
   for (const SampleRange& range : film.ranges) std::printf(" samples %s", to_string(range).c_str());
   std::printf(" of %u\n", film.wanted);
   for (const auto& [name, value] : film.settings) std::printf("film %s: %s\n", name.c_str(), value.c_str());
+  check_sums(opened);
+  std::printf("film sums: whole\n");
 }
 
 void diff(const fs::path& image, const fs::path& reference, const fs::path& output, double full_scale) {

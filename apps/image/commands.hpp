@@ -15,7 +15,8 @@ void compare(const std::filesystem::path& image, const std::filesystem::path& re
 /// attributes are kept; layers are not.
 void convert(const std::filesystem::path& input, const std::filesystem::path& output, double exposure_stops);
 
-/// Prints size, channels, ranges of R, G and B (linear), attributes, and what a film is of.
+/// Prints size, channels, ranges of R, G and B (linear), attributes, and what a film is of. Throws Error (input) after
+/// all that where sums of the film are damaged, with their rows.
 void info(const std::filesystem::path& file);
 
 /// Writes the picture of relative errors (see error_picture).

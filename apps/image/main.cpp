@@ -39,7 +39,9 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(-100.0, 100.0));
 
   CLI::App* info =
-      app.add_subcommand("info", "Print a picture's size, channels, ranges of linear values and attributes");
+      app.add_subcommand("info",
+                         "Print a picture's size, channels, ranges of linear values and attributes; of a film what it "
+                         "is of, and whether its sums are whole");
   info->add_option("FILE", input, "The picture to describe")->required();
 
   CLI::App* diff = app.add_subcommand(

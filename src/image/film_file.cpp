@@ -183,35 +183,49 @@ bool FilmFile::is_one(const fs::path& file) noexcept {
   }
 }
 
-SampleRange FilmFile::add_to(Film& film) {
-  RAYLAB_CHECK(film.width() == width_ && film.height() == height_);
+DamagedRow FilmFile::read_row(int y, std::vector<std::uint32_t>& words) {
   const auto width = static_cast<std::size_t>(width_);
+  words.resize(kChannels * width);
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorKind::input, file_.string(), format("its film is damaged in row %d: ", y) + why);
+  };
+  try {
+    const char* bytes = nullptr;
+    int size = 0;
+    exr_->part.rawPixelData(y, bytes, size);
+    if (size < 0 || static_cast<std::size_t>(size) != 4 * words.size()) fail("it has another size");
+    std::memcpy(words.data(), bytes, 4 * words.size());
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    fail(detail::one_line(e.what()));
+  }
   std::uint64_t most = 0;  // that may have been taken
   for (const SampleRange& range : info_.ranges) most += range.end - range.first;
-  std::vector<std::uint32_t> words(kChannels * width), checks(width);
+  std::vector<std::uint32_t> checks(width);
+  checks_of(words.data(), width, y, check_seed_, checks.data());
+  const std::uint32_t* const kept = words.data();
+  const std::uint32_t* const all = &words[(Film::kWords - 1) * width];
+  DamagedRow damage{y, 0, 0};
+  for (std::size_t x = 0; x < width; ++x) {
+    if (checks[x] == words[Film::kWords * width + x] && kept[x] <= all[x] && all[x] <= most) continue;
+    if (damage.pixels++ == 0) damage.first = static_cast<int>(x);
+  }
+  return damage;
+}
+
+SampleRange FilmFile::add_to(Film& film) {
+  RAYLAB_CHECK(film.width() == width_ && film.height() == height_);
+  std::vector<std::uint32_t> words;
   SampleRange taken{0xffffffffu, 0};
   std::uint64_t pixels = 0;  // that have samples
-  const auto damaged = [&](std::size_t x, int y) {
-    throw Error(ErrorKind::input, file_.string(), format("its film is damaged at pixel %zu, %d", x, y));
-  };
   for (int y = 0; y < height_; ++y) {
-    try {
-      const char* bytes = nullptr;
-      int size = 0;
-      exr_->part.rawPixelData(y, bytes, size);
-      if (size < 0 || static_cast<std::size_t>(size) != 4 * words.size()) damaged(0, y);
-      std::memcpy(words.data(), bytes, 4 * words.size());
-    } catch (const Error&) {
-      throw;
-    } catch (const std::exception& e) {
-      throw Error(ErrorKind::input, file_.string(),
-                  format("its film is damaged in row %d: ", y) + detail::one_line(e.what()));
+    const DamagedRow damage = read_row(y, words);
+    if (damage.pixels > 0) {
+      throw Error(ErrorKind::input, file_.string(), format("its film is damaged at pixel %d, %d", damage.first, y));
     }
-    checks_of(words.data(), width, y, check_seed_, checks.data());
-    const std::uint32_t* const kept = words.data();
-    const std::uint32_t* const all = &words[(Film::kWords - 1) * width];
-    for (std::size_t x = 0; x < width; ++x) {
-      if (checks[x] != words[Film::kWords * width + x] || kept[x] > all[x] || all[x] > most) damaged(x, y);
+    const std::uint32_t* const all = &words[(Film::kWords - 1) * static_cast<std::size_t>(width_)];
+    for (int x = 0; x < width_; ++x) {
       if (all[x] == 0) continue;
       ++pixels;
       taken.first = std::min(taken.first, all[x]);
@@ -221,6 +235,20 @@ SampleRange FilmFile::add_to(Film& film) {
   }
   if (pixels < info_.pixels || pixels == 0) taken.first = 0;
   return taken;
+}
+
+std::vector<DamagedRow> FilmFile::damaged_rows() {
+  std::vector<std::uint32_t> words;
+  std::vector<DamagedRow> rows;
+  for (int y = 0; y < height_; ++y) {
+    try {
+      const DamagedRow row = read_row(y, words);
+      if (row.pixels > 0) rows.push_back(row);
+    } catch (const Error&) {
+      rows.push_back({y, width_, 0});
+    }
+  }
+  return rows;
 }
 
 }  // namespace raylab

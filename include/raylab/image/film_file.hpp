@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "raylab/image/film.hpp"
 #include "raylab/image/image_file.hpp"
@@ -65,6 +66,13 @@ void write_film_picture(const std::filesystem::path& file, FilmPicture picture);
 /// The same of the picture of a film.
 bool fits_half(const Film& film);
 
+/// What of a row of a film file is not as it was written.
+struct DamagedRow {
+  int y = 0;
+  int pixels = 0;  ///< how many of it
+  int first = 0;   ///< the leftmost of them
+};
+
 /// A film file that is open for reading.
 class FilmFile {
  public:
@@ -87,8 +95,14 @@ class FilmFile {
   /// Error (input) with the first pixel that is damaged.
   SampleRange add_to(Film& film);
 
+  /// Reads all sums, and gives the rows that have damaged pixels.
+  std::vector<DamagedRow> damaged_rows();
+
  private:
   struct Exr;
+
+  /// Fills in the words of a row. Returns what of them is damaged. Throws Error (input) where the row cannot be read.
+  DamagedRow read_row(int y, std::vector<std::uint32_t>& words);
 
   std::filesystem::path file_;
   int width_ = 0, height_ = 0;
