@@ -373,12 +373,41 @@ TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli
                   kCornell, "--rays", "2000", "--checked", "10", "--repeats", "100", "--out", folder.path().string()});
   INFO(run.err);
   CHECK(run.exit_code == 130);
-  CHECK(run.err.find("interrupted") != std::string::npos);
+  CHECK(run.err.find("interrupted; what was measured is written\n") != std::string::npos);
   const Results results = read_results(folder.path());
   CHECK(results.runs[0]["complete"] == false);
   CHECK(results.rows.size() >= 11);
   CHECK(results.rows.size() < 55);
   for (const Row& row : results.rows) CHECK(row.contains("rays_checked"));
+}
+
+TEST_CASE("raylab-bench that is stopped before its first row says that nothing was written", "[cli][bench]") {
+  const TempFolder folder;
+  const ProgramResult run = run_program(
+      "/usr/bin/timeout", {"--preserve-status", "-s", "INT", "0.5", RAYLAB_BINARY_DIR "/raylab-bench", "rays", kCornell,
+                           "--rays", "1000000", "--repeats", "1000", "--out", folder.path().string()});
+  INFO(run.err);
+  CHECK(run.exit_code == 130);
+  CHECK(run.err.find("interrupted; nothing was written\n") != std::string::npos);
+  CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("a second raylab-bench does not write into the folder of one that measures", "[cli][bench]") {
+  const TempFolder folder;
+  const std::string two_at_once = R"(
+"$@" --rays 2000 --repeats 100 --checked 10 & p=$!
+until [ -s "$0" ] || ! kill -0 $p; do sleep 0.02; done
+"$@" --rays 500 --repeats 1 --checked 10 --accel list; code=$?
+kill -TERM $p; wait $p; exit $code)";
+  const ProgramResult run =
+      run_program("/bin/sh", {"-c", two_at_once, (folder / "results.json").string(), RAYLAB_BINARY_DIR "/raylab-bench",
+                              "rays", kCornell, "--out", folder.path().string()});
+  INFO(run.err);
+  CHECK(run.exit_code == 4);
+  CHECK(run.err.find("raylab-bench: " + folder.path().string() + ": is being written to by another program") !=
+        std::string::npos);
+  CHECK(read_results(folder.path()).runs.size() == 1);
+  CHECK(raylab_bench(quick_rays(folder.path())).exit_code == 0);
 }
 
 TEST_CASE("raylab-bench tells bad input by its place, and exits as documented", "[cli][bench]") {

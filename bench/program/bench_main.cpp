@@ -352,7 +352,8 @@ int bench_main(int argc, char** argv) {
     try {
       return run(argc, argv);
     } catch (const Interrupted&) {
-      std::fprintf(stderr, "raylab-bench: interrupted; what was measured is written\n");
+      std::fprintf(stderr, "raylab-bench: interrupted; %s\n",
+                   Suite::any_written() ? "what was measured is written" : "nothing was written");
       return kInterrupted;
     }
   });

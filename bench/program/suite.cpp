@@ -8,6 +8,12 @@
 
 namespace raylab::bench {
 
+namespace {
+bool written = false;
+}  // namespace
+
+bool Suite::any_written() { return written; }
+
 void Suite::check(double ahead) {
   progress_.update(expected_ > 0.0 ? std::min(1.0, (done_ + ahead) / expected_) : 0.0);
   if (InterruptGuard::interrupted()) throw Interrupted{};
@@ -15,6 +21,7 @@ void Suite::check(double ahead) {
 
 void Suite::add(const std::vector<Row>& rows, const std::vector<std::string>& lines) {
   folder_.add(rows);
+  written = true;
   progress_.finish(1.0);
   for (const std::string& line : lines) std::printf("%s\n", line.c_str());
   std::fflush(stdout);

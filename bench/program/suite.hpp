@@ -17,7 +17,7 @@
 
 namespace raylab::bench {
 
-/// The run was interrupted; what was measured is written.
+/// The run was interrupted; what was measured is written, if anything was.
 struct Interrupted {};
 
 /// One run of a suite: where its rows go, and how far it has come.
@@ -43,6 +43,9 @@ class Suite {
   void finish();
 
   ResultsFolder& folder() { return folder_; }
+
+  /// Whether rows were written, in this process.
+  static bool any_written();
 
  private:
   ResultsFolder folder_;

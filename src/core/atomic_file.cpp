@@ -140,4 +140,13 @@ void check_writable(const fs::path& file) {
   const AtomicFile probe(file);
 }
 
+FolderLock::FolderLock(const fs::path& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0) fail(folder, errno);
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(descriptor_);
+  throw Error(ErrorKind::output, folder.string(), "is being written to by another program; choose another folder");
+}
+
+FolderLock::~FolderLock() { close(descriptor_); }
+
 }  // namespace raylab

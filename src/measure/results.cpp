@@ -8,7 +8,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "raylab/core/atomic_file.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
@@ -107,6 +106,13 @@ std::string csv_cell(const Row& value) {
   return quoted + "\"";
 }
 
+fs::path made(fs::path folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(ErrorKind::output, folder.string(), "cannot be made: " + error.message());
+  return folder;
+}
+
 }  // namespace
 
 std::string row_key(const Row& row) {
@@ -163,10 +169,7 @@ std::string to_csv(const std::vector<Row>& rows) {
 }
 
 ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const std::string& command)
-    : folder_(std::move(folder)), command_(command) {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error) throw Error(ErrorKind::output, folder_.string(), "cannot be made: " + error.message());
+    : folder_(made(std::move(folder))), lock_(folder_), command_(command) {
   check_writable(folder_ / kJsonName);
   check_writable(folder_ / kCsvName);
   if (fs::exists(folder_ / kJsonName)) results_ = read_results(folder_);

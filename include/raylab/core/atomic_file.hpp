@@ -36,4 +36,18 @@ class AtomicFile {
 /// Throws the Error (output) that writing the file would throw now. Leaves nothing behind.
 void check_writable(const std::filesystem::path& file);
 
+/// Keeps a folder from being locked by another while it lives; in one process too. It leaves no file behind, and ends
+/// with the process, however that ends. A file system that locks no folders is taken as it is.
+class FolderLock {
+ public:
+  /// Throws Error (output) where another has it.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace raylab

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "raylab/core/atomic_file.hpp"
 #include "raylab/measure/row_schema.hpp"
 
 namespace raylab {
@@ -34,11 +35,12 @@ std::string to_csv(const std::vector<Row>& rows);
 
 /// The results of a folder while they are added to. What is there already stays, except that a row takes the place
 /// of one with the same key: a folder holds the latest measurement of each. Both files are replaced whole whenever
-/// rows come in, so that an interrupted run leaves what it measured.
+/// rows come in, so that an interrupted run leaves what it measured; and the folder is locked meanwhile, as of two that
+/// write to one each would replace the rows of the other.
 class ResultsFolder {
  public:
-  /// Makes the folder if need be. Throws Error (output) when it cannot be written, and Error (usage) when it holds
-  /// the results of another machine.
+  /// Makes the folder if need be. Throws Error (output) when it cannot be written or another is writing there, and
+  /// Error (usage) when it holds the results of another machine.
   ResultsFolder(std::filesystem::path folder, const std::string& suite, const std::string& command);
 
   /// Rows that conform to the schema, which is an invariant. A number that is not finite, which JSON does not
@@ -58,6 +60,7 @@ class ResultsFolder {
   void write() const;
 
   std::filesystem::path folder_;
+  FolderLock lock_;
   Results results_;
   std::string command_;
 };
