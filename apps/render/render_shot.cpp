@@ -87,7 +87,15 @@ class ShotRender {
     RenderSession session(job_.loaded.scene, job_.accelerator, options_, film_to_go_on_from());
     const std::vector<std::string> warnings = view_warnings(job_.loaded.scene, job_.accelerator, options_);
     for (const std::string& warning : warnings) job_.warn(warning);
-    wait(session);
+    const double before = session.progress();
+    try {
+      wait(session);
+    } catch (const std::exception&) {
+      // Tiles are added whole or not at all.
+      session.stop();
+      if (session.progress() > before) keep(session);
+      throw;
+    }
     // Before the pictures: it holds all that they are made of.
     if (interrupted()) keep(session);
     const Film& film = session.film();
@@ -98,11 +106,13 @@ class ShotRender {
     try {
       write_outputs(session, report, as_float(film));
       if (stats_file_) {
+        const std::string json =
+            report_json(report);  // before there is a file, as where memory is out it may not throw
         AtomicFile file(*stats_file_);
-        file.stream() << report_json(report);
+        file.stream() << json;
         file.commit();
       }
-    } catch (const Error&) {
+    } catch (const std::exception&) {
       if (!interrupted()) keep(session);
       throw;
     }
@@ -189,13 +199,13 @@ class ShotRender {
     const std::filesystem::path usual = checkpoint_;
     try {
       write_checkpoint(session);
-    } catch (const Error& e) {
+    } catch (const std::exception& e) {
       job_.warn(e.what());
       std::error_code none;
       checkpoint_ = std::filesystem::temp_directory_path(none) / usual.filename();
       try {
         write_checkpoint(session);
-      } catch (const Error& second) {
+      } catch (const std::exception& second) {
         job_.warn(second.what());
         checkpoint_.clear();
         return;

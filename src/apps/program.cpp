@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -94,6 +95,19 @@ bool parse_or_tell(CLI::App& app, int argc, char** argv, int& exit_code) {
 }
 
 int run_and_tell(const char* program, const std::function<int()>& run) {
+  // Libraries run out of memory in functions that may not throw, too.
+  static const char* name;
+  name = program;
+  std::set_terminate([] {
+    try {
+      if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
+    } catch (const std::bad_alloc&) {
+      std::fprintf(stderr, "%s: out of memory\n", name);
+      std::_Exit(static_cast<int>(ErrorKind::failure));
+    } catch (...) {
+    }
+    std::abort();
+  });
   try {
     return run();
   } catch (const Error& e) {

@@ -1,5 +1,6 @@
 #include "raylab/core/atomic_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -7,8 +8,11 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
@@ -30,16 +34,18 @@ constexpr const char *kPrefix = ".raylab-", *kEnding = ".tmp";
 /// not every file system of a cluster locks.
 void sweep(const fs::path& folder) {
   constexpr auto kLeftAlone = std::chrono::minutes(10);
-  std::error_code ignored;
-  for (auto entry = fs::directory_iterator(folder, ignored); entry != fs::directory_iterator();
-       entry.increment(ignored)) {
-    const std::string name = entry->path().filename().string();
+  // Not by std::filesystem, whose listings end the program where memory is out.
+  const std::unique_ptr<DIR, int (*)(DIR*)> listing(opendir(folder.c_str()), closedir);
+  while (const dirent* const entry = listing ? readdir(listing.get()) : nullptr) {
+    const std::string_view name = entry->d_name;
     if (!name.starts_with(kPrefix) || !name.ends_with(kEnding)) continue;
-    const auto written = entry->last_write_time(ignored);
+    const fs::path file = folder / name;
+    std::error_code ignored;
+    const auto written = fs::last_write_time(file, ignored);
     if (ignored || fs::file_time_type::clock::now() - written < kLeftAlone) continue;
-    const int descriptor = open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0) continue;
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) fs::remove(entry->path(), ignored);
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) fs::remove(file, ignored);
     close(descriptor);
   }
 }
@@ -49,9 +55,10 @@ void sweep(const fs::path& folder) {
 int create_temporary(const fs::path& folder, const fs::path& file, fs::path& name) {
   static std::atomic<unsigned> counter{0};
   for (;;) {
-    name = folder / format("%s%d-%u%s", kPrefix, getpid(), counter++, kEnding);
-    const int descriptor = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    fs::path unused = folder / format("%s%d-%u%s", kPrefix, getpid(), counter++, kEnding);
+    const int descriptor = open(unused.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
+      name = std::move(unused);
       flock(descriptor, LOCK_EX | LOCK_NB);
       return descriptor;
     }
@@ -81,7 +88,10 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 }  // namespace
 
-AtomicFile::AtomicFile(const fs::path& file) : file_(file), target_(without_links(file)) {
+AtomicFile::AtomicFile(const fs::path& file, fs::path target) : file_(file), target_(std::move(target)) {}
+
+// Once the other constructor has ended, what is thrown here leaves the temporary file to the destructor.
+AtomicFile::AtomicFile(const fs::path& file) : AtomicFile(file, without_links(file)) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (fs::is_directory(status)) fail(file, EISDIR);
@@ -101,12 +111,7 @@ AtomicFile::AtomicFile(const fs::path& file) : file_(file), target_(without_link
   }
   errno = 0;
   stream_.open(replaceable ? temporary_ : target_, std::ios::binary | std::ios::out);
-  if (!stream_) {
-    const int reason = errno;
-    if (replaceable) fs::remove(temporary_, error);
-    if (replaceable) close(descriptor_);
-    fail(file, reason);
-  }
+  if (!stream_) fail(file, errno);
 }
 
 AtomicFile::~AtomicFile() {

@@ -16,6 +16,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <new>
 
 #include "exr_header.hpp"
 #include "raylab/core/atomic_file.hpp"
@@ -195,6 +196,8 @@ void detail::write_exr(const fs::path& file, const PictureRows& picture, const A
     } else {
       write_two_parts(stream, picture, header, channels, *words);
     }
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     throw Error(ErrorKind::output, file.string(), "cannot be written: " + one_line(e.what()));
   }

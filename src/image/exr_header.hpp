@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ auto with_exr(const std::filesystem::path& file, const Read& read) {
   try {
     return read();
   } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
     throw Error(ErrorKind::input, file.string(), "not readable as OpenEXR: " + one_line(e.what()));

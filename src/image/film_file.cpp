@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstring>
+#include <new>
 
 #include "exr_header.hpp"
 #include "film_info.hpp"
@@ -196,6 +197,8 @@ DamagedRow FilmFile::read_row(int y, std::vector<std::uint32_t>& words) {
     if (size < 0 || static_cast<std::size_t>(size) != 4 * words.size()) fail("it has another size");
     std::memcpy(words.data(), bytes, 4 * words.size());
   } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
     fail(detail::one_line(e.what()));

@@ -222,11 +222,15 @@ void ResultsFolder::write() const {
     for (std::size_t i = 0; i < rows.size(); ++i) text += (i > 0 ? ",\n  " : "\n  ") + json_text(rows[i]);
     return text + (rows.empty() ? "]" : "\n ]");
   };
+  // Before there are files, as where memory is out it may not throw.
+  const std::string document = "{\n \"machine\": " + json_text(results_.machine) +
+                               ",\n \"runs\": " + lines(results_.runs) + ",\n \"rows\": " + lines(results_.rows) +
+                               "\n}\n";
+  const std::string table = to_csv(results_.rows);
   AtomicFile json(folder_ / kJsonName);
-  json.stream() << "{\n \"machine\": " << json_text(results_.machine) << ",\n \"runs\": " << lines(results_.runs)
-                << ",\n \"rows\": " << lines(results_.rows) << "\n}\n";
+  json.stream() << document;
   AtomicFile csv(folder_ / kCsvName);
-  csv.stream() << to_csv(results_.rows);
+  csv.stream() << table;
   json.commit();
   csv.commit();
 }

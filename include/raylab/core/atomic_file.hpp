@@ -26,6 +26,8 @@ class AtomicFile {
   void commit();
 
  private:
+  AtomicFile(const std::filesystem::path& file, std::filesystem::path target);
+
   std::filesystem::path file_;       ///< as the caller named it, for messages
   std::filesystem::path target_;     ///< file_ with links followed
   std::filesystem::path temporary_;  ///< empty when there is none (any more)
