@@ -1,9 +1,11 @@
 // What raylab-render --check says of the shipped scenes: bytes and code paths are those of what a scene uses.
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "catch.hpp"
 #include "run_program.hpp"
 #include "shipped_scenes.hpp"
+#include "temp_folder.hpp"
 
 using namespace raylab::test;
 
@@ -40,6 +42,44 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
           "bytes\n  " + std::to_string(e.scene_bytes) + " of geometry, material ids and pictures\n  " +
               std::to_string(e.light_bytes) + " for the sampling of " + std::to_string(e.lights) + " lights\n  " +
               std::to_string(e.dropped_bytes) + " of mesh attributes that no material reads were left out\n");
+  }
+}
+
+TEST_CASE("--check states the memory that a render takes, within a tenth", "[cli]") {
+  const std::string program = RAYLAB_BINARY_DIR "/raylab-render";
+  const TempFolder folder;
+  const std::string stats = (folder / "s.json").string();
+  const auto number_after = [](const std::string& text, const std::string& word) {
+    const std::size_t at = text.find(word);
+    REQUIRE(at != std::string::npos);
+    return std::stod(text.substr(text.find_first_of("0123456789", at + word.size())));
+  };
+  for (const char* scene : {"dragon", "globe", "cornell"}) {
+    const auto file = shipped_scene(scene);
+    if (!file) continue;
+    for (const std::string accel : {"list", "rtiow", "bvh", "embree", "embree-robust", "exact"}) {
+      // Of small scenes the film is nearly all.
+      const std::string width = scene == std::string("cornell") ? "1600" : "16";
+      const std::vector<std::string> arguments{file->string(), "--accel", accel, "--width", width};
+      std::vector<std::string> check = arguments, render = arguments;
+      check.push_back("--check");
+      render.insert(render.end(),
+                    {"--spp", "1", "--max-depth", "1", "-o", (folder / "a.png").string(), "--stats", stats});
+      const ProgramResult checked = run_program(program, check), rendered = run_program(program, render);
+      INFO(scene << " " << checked.out << rendered.err);
+      REQUIRE(rendered.exit_code == 0);
+      if (width == "16") {
+        const double bytes = nlohmann::json::parse(read_text(stats))["bytes"];
+        CHECK(number_after(checked.out, "\naccel      " + accel + ": about ") ==
+              Approx(bytes / 1048576).epsilon(0.1).margin(0.06));
+        continue;
+      }
+      const double scene_and_film = number_after(checked.out, "\nmemory ");
+      constexpr double kProgram = 12.0;  // MiB that it takes itself
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+      CHECK(scene_and_film + kProgram == Approx(static_cast<double>(rendered.peak_kib) / 1024).epsilon(0.1));
+#endif
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@ struct ProgramResult {
   int exit_code = 0;  ///< 128 + the signal's number when a signal ended it
   std::string out;    ///< standard output
   std::string err;    ///< standard error
+  long peak_kib = 0;  ///< of memory that it had at once
 };
 
 /// Runs a program with these arguments, without a shell, standard input being empty, and waits for its end.
@@ -54,11 +56,12 @@ inline ProgramResult run_program(const std::string& program, const std::vector<s
   if (error != 0) throw std::system_error(error, std::generic_category(), program);
 
   int status = 0;
-  while (waitpid(process, &status, 0) < 0) {
-    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");
+  rusage usage{};
+  while (wait4(process, &status, 0, &usage) < 0) {
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "wait4");
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return {code, contents(out.get()), contents(err.get())};
+  return {code, contents(out.get()), contents(err.get()), usage.ru_maxrss};
 }
 
 }  // namespace raylab::test

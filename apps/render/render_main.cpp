@@ -107,7 +107,7 @@ int render(const RenderCommand& command) {
     if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
   }
   if (command.check) {
-    std::fputs(check_text(loaded, session_options(command, loaded), load_seconds).c_str(), stdout);
+    std::fputs(check_text(command, loaded, session_options(command, loaded), load_seconds).c_str(), stdout);
     check_printed();
     return 0;
   }

@@ -27,14 +27,22 @@ std::string scene_text(const LoadedScene& loaded, double load_seconds) {
 
 }  // namespace
 
-std::string check_text(const LoadedScene& loaded, const RenderOptions& options, double load_seconds) {
+std::string check_text(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
+                       double load_seconds) {
   std::string text = scene_text(loaded, load_seconds);
   const std::size_t film =
       Film::kWords * 4 * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-  text += format(
-      "film       %d x %d pixels, %.1f MiB, which with the scene and the accelerator is what a render takes; %u "
-      "samples a pixel\n",
-      options.width, options.height, mebibytes(film), options.samples_per_pixel);
+  text += format("film       %d x %d pixels, %.1f MiB; %u samples a pixel\n", options.width, options.height,
+                 mebibytes(film), options.samples_per_pixel);
+  const double each = find_accelerator(command.accel).capabilities.bytes_per_primitive;
+  const auto accelerator =
+      static_cast<std::size_t>(each * static_cast<double>(loaded.scene.geometry.primitive_count()));
+  text += format("accel      %s: ", command.accel.c_str());
+  text += each > 0.0 ? format("about %.1f MiB, at %.0f bytes a primitive\n", mebibytes(accelerator), each)
+                     : std::string("takes memory that is not known before it is built\n");
+  text += format("memory     %.1f MiB%s: scene, film and accelerator, which is what a render takes\n",
+                 mebibytes(loaded.scene.bytes() + film + accelerator),
+                 each > 0.0 ? ", an estimate" : " and that of the accelerator");
   text += "materials\n";
   for (const std::string& note : loaded.notes) text += "  " + note + "\n";
   text += "needs\n";

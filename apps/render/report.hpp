@@ -29,7 +29,8 @@ struct RenderReport {
 std::string accelerator_text(const RenderCommand& command);
 
 /// What `--check` prints.
-std::string check_text(const LoadedScene& loaded, const RenderOptions& options, double load_seconds);
+std::string check_text(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
+                       double load_seconds);
 
 /// The closing lines of a render.
 std::string report_text(const RenderReport& report);

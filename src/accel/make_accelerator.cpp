@@ -15,8 +15,11 @@ namespace {
 constexpr std::size_t kMostForBruteForce = 1000;
 
 /// Embree promises no equal bits of single rays and packets, and sometimes they are not.
-constexpr AcceleratorCapabilities kEmbree{
-    .judges_options = false, .takes_quality = true, .takes_compact = true, .batch_equals_single = false};
+constexpr AcceleratorCapabilities kEmbree{.judges_options = false,
+                                          .takes_quality = true,
+                                          .takes_compact = true,
+                                          .batch_equals_single = false,
+                                          .bytes_per_primitive = 70.0};
 
 /// Built on first use, so that registrations from other source files always follow the built-in ones.
 std::vector<AcceleratorEntry>& table() {
@@ -24,22 +27,29 @@ std::vector<AcceleratorEntry>& table() {
       {"list",
        "tests every primitive",
        make_list,
-       {.judges_options = false, .takes_intersector = true, .largest_primitives = kMostForBruteForce}},
+       {.judges_options = false,
+        .takes_intersector = true,
+        .largest_primitives = kMostForBruteForce,
+        .bytes_per_primitive = 8.0}},
       {"rtiow",
        "the BVH of Ray Tracing: The Next Week, faults included",
        make_rtiow,
-       {.judges_options = false, .takes_intersector = true}},
+       {.judges_options = false, .takes_intersector = true, .bytes_per_primitive = 231.0}},
       {"bvh",
        "Raylab's own wide BVH, watertight",
        make_bvh,
-       {.judges_options = false, .takes_intersector = true, .takes_quality = true, .takes_isa = true}},
+       {.judges_options = false,
+        .takes_intersector = true,
+        .takes_quality = true,
+        .takes_isa = true,
+        .bytes_per_primitive = 34.0}},
       {"embree", "Intel Embree in its default, fast mode", make_embree, kEmbree},
       {"embree-robust", "Intel Embree in its robust mode; of best quality it splits no space", make_embree_robust,
        kEmbree},
       {"exact",
        "decides every hit in exact arithmetic: the judge, and slow",
        make_exact,
-       {.judges_options = false, .is_exact = true}},
+       {.judges_options = false, .is_exact = true, .bytes_per_primitive = 27.0}},
   };
   return entries;
 }
