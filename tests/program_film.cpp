@@ -1,8 +1,11 @@
 // Renders that are stopped, gone on with, cut into parts and merged, as their user meets them: to the bits of one.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <thread>
 
 #include "raylab/image/film_file.hpp"
 #include "raylab/image/metrics.hpp"
@@ -108,6 +111,47 @@ TEST_CASE("a picture is cut anywhere into parts, jobs are killed and restarted, 
   std::vector<std::string> arguments{"merge"};
   arguments.insert(arguments.end(), parts.begin(), parts.end());
   arguments.insert(arguments.end(), {"-o", merged});
+  const ProgramResult result = raylab_image(arguments);
+  expect_success(result);
+  CHECK(result.err.empty());
+  expect_same(merged, whole);
+}
+
+// As many parts as RAYLAB_PARTS says, such as 1000, a hundred by default.
+TEST_CASE("a hundred parts, a fifth killed at random instants and restarted, are merged to the bits of one render",
+          "[cli][film][parts]") {
+  const SmallScene small;
+  const char* const asked = std::getenv("RAYLAB_PARTS");
+  const int count = asked ? std::atoi(asked) : 100;
+  const std::string whole = (small / "whole.exr").string(), merged = (small / "merged.exr").string();
+  const std::string wanted = std::to_string(count);
+  expect_success(render(small, {"-o", whole, "--width", "8", "--spp", wanted, "--film"}));
+  std::vector<std::string> parts;
+  for (int i = 0; i < count; ++i) parts.push_back((small / ("part-" + std::to_string(i) + ".exr")).string());
+  std::atomic<int> next{0}, killed{0}, failed{0};
+  const auto work = [&](unsigned seed) {
+    std::mt19937 random(seed);
+    for (int i; (i = next++) < count;) {
+      const std::vector<std::string> arguments{"-o",        parts[i],
+                                               "--width",   "8",
+                                               "--spp",     wanted,
+                                               "--samples", std::to_string(i) + ":" + std::to_string(i + 1),
+                                               "--resume",  "--checkpoint-every",
+                                               "0.001s",    "--threads",
+                                               "1"};
+      // From before it has begun to after its end.
+      if (i % 5 == 0) killed += render(small, arguments, "KILL", 1e-4 * (1 + random() % 200)).exit_code == 137;
+      failed += render(small, arguments).exit_code != 0;
+    }
+  };
+  std::vector<std::thread> workers;
+  for (unsigned seed = 0; seed < 4; ++seed) workers.emplace_back(work, seed);
+  for (std::thread& worker : workers) worker.join();
+  CHECK(failed == 0);
+  CHECK(killed > count / 20);
+  std::shuffle(parts.begin(), parts.end(), std::mt19937(1));
+  std::vector<std::string> arguments{"merge", "-o", merged};
+  arguments.insert(arguments.end(), parts.begin(), parts.end());
   const ProgramResult result = raylab_image(arguments);
   expect_success(result);
   CHECK(result.err.empty());
@@ -340,6 +384,25 @@ TEST_CASE("a picture that cannot be written at the end is kept, and the next run
       render(small, {"-o", output, "--spp", "1000000000", "--resume", "--time-limit", "0.05s"});
   expect_success(resumed);
   CHECK(contains(resumed.out, "resumed    " + output + ".checkpoint.exr with"));
+}
+
+TEST_CASE("other names of a file that is replaced keep what they have, which is said", "[cli][film]") {
+  const SmallScene small;
+  const fs::path output = small / "a.png", other = small / "other.png";
+  write_text(output, "old");
+  fs::create_hard_link(output, other);
+  const std::string warning = output.string() + " has other names, hard links, which keep what they have";
+  const ProgramResult first = render(small, {"-o", output.string()});
+  expect_success(first);
+  CHECK(contains(first.err, "raylab-render: warning: " + warning));
+  CHECK(read_text(other) == "old");
+  CHECK(read_image8(output).width == 16);
+  CHECK(render(small, {"-o", output.string()}).err.empty());  // it is a file of one name now
+  fs::remove(other);
+  fs::create_hard_link(output, other);
+  const ProgramResult second = raylab_image({"convert", other.string(), output.string()});
+  expect_success(second);
+  CHECK(second.err == "raylab-image: warning: " + warning + "\n");
 }
 
 TEST_CASE("ranges of samples that make no part are refused, and the option that was", "[cli][film]") {

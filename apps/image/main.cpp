@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "commands.hpp"
@@ -74,6 +75,11 @@ int run(int argc, char** argv) {
 
   int exit_code = 0;
   if (!raylab::parse_or_tell(app, argc, argv, exit_code)) return exit_code;
+  std::error_code none;  // where the output is not there
+  if (std::filesystem::is_regular_file(output, none) && std::filesystem::hard_link_count(output, none) > 1) {
+    std::fprintf(stderr, "raylab-image: warning: %s has other names, hard links, which keep what they have\n",
+                 output.c_str());
+  }
   if (*compare) raylab::app::compare(image, reference, as_json);
   if (*convert) raylab::app::convert(input, output, exposure);
   if (*info) raylab::app::info(input);

@@ -45,6 +45,17 @@ void check_all_writable(const RenderCommand& command, const Files& outputs, cons
   if (!command.stats_file.empty()) check_writable(with_suffix(command.stats_file, suffix));
 }
 
+/// Only a new file can take a name's place at once.
+void warn_of_other_names(const Job& job, const Files& outputs, const std::string& suffix) {
+  for (const auto& output : outputs) {
+    const fs::path file = with_suffix(output, suffix);
+    std::error_code none;  // where it is not there
+    if (fs::is_regular_file(file, none) && fs::hard_link_count(file, none) > 1) {
+      job.warn(file.string() + " has other names, hard links, which keep what they have");
+    }
+  }
+}
+
 /// Throws where a file is to be written twice, or over one that the scene is read from.
 void check_distinct(const RenderCommand& command, const Files& outputs, const std::string& suffix, const Files& read) {
   Files written;
@@ -127,6 +138,7 @@ int render(const RenderCommand& command) {
   }
   const InterruptGuard guard;
   for (const Shot& shot : shots) {
+    warn_of_other_names(job, outputs, shot.suffix);
     if (!render_shot(job, shot, outputs)) return kInterrupted;
   }
   if (command.fly) {
