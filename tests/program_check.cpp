@@ -45,7 +45,7 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
   }
 }
 
-TEST_CASE("--check states the memory that a render takes, within a tenth", "[cli]") {
+TEST_CASE("the memory that a render takes is stated beforehand, within a tenth", "[cli]") {
   const std::string program = RAYLAB_BINARY_DIR "/raylab-render";
   const TempFolder folder;
   const std::string stats = (folder / "s.json").string();
