@@ -1,6 +1,6 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import bunny, cornell, dragon, forest, globe, mirror_room, one_weekend, town
+from . import bunny, cornell, dragon, forest, globe, lamps, mirror_room, one_weekend, town
 
 SCENES = {
     "cornell": cornell.files,
@@ -10,5 +10,6 @@ SCENES = {
     "bunny": bunny.files,
     "globe": globe.files,
     "forest": forest.files,
+    "lamps": lamps.files,
     "town": town.files,
 }
