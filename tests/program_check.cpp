@@ -25,6 +25,7 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
       {"bunny", "shading normals, area lights", 91508, 204, 2, 0},
       {"globe", "shading normals, area lights", 7202840, 200, 2, 0},
       {"forest", "", 3674628, 0, 0, 0},
+      {"lamps", "spheres, area lights", 55544, 58848, 1500, 0},
   };
   for (const Expected& e : table) {
     const auto file = shipped_scene(e.scene);

@@ -43,7 +43,7 @@ double density(const Scene& scene, const Lights& lights, const Accelerator& acce
       if (!seen[hit->primitive]) sum += lights.sphere_pdf(hit->primitive, material, p, point.position, wi);
       seen[hit->primitive] = true;
     } else if (scene.materials[material].kind == Material::Kind::diffuse_light) {
-      sum += lights.triangle_pdf(material, p, point.position, point.ng, wi);
+      sum += lights.triangle_pdf(hit->geometry, hit->primitive, material, p, point.position, point.ng, wi);
     }
     ray.t_min = hit->t * (1.0f + 4.0f * kUnitRoundoff);
   }
@@ -108,9 +108,10 @@ void compare_with_density(const Scene& scene, const vec3& p, const vec3& axis, d
     if (!hit || std::abs(hit->t - length) > 1e-3f * length) continue;  // its very rim
     const auto point = surface_point(scene.geometry, Ray{p, s.wi}, *hit);
     const std::uint32_t material = scene.material_of(hit->geometry, hit->primitive);
-    const float pdf = scene.geometry.is_sphere(hit->geometry)
-                          ? lights.sphere_pdf(hit->primitive, material, p, point.position, s.wi)
-                          : lights.triangle_pdf(material, p, point.position, point.ng, s.wi);
+    const float pdf =
+        scene.geometry.is_sphere(hit->geometry)
+            ? lights.sphere_pdf(hit->primitive, material, p, point.position, s.wi)
+            : lights.triangle_pdf(hit->geometry, hit->primitive, material, p, point.position, point.ng, s.wi);
     // Grazing the emitter, the density turns on the last bits of the direction.
     if (std::abs(glm::dot(point.ng, s.wi)) < 0.02f) continue;
     worst_pdf = std::max(worst_pdf, std::abs(1.0 - static_cast<double>(pdf) / s.pdf));
@@ -257,6 +258,22 @@ TEST_CASE("several lights together are chosen with the density they are met with
   const Lights lights(scene, scene_needs(scene));
   CHECK(lights.count() == 2 + 1 + 1 + 1);
   compare_with_density(scene, vec3(0.2f, 0.1f, 0.3f), vec3(0, 1, 0), 180.0, 150000);
+}
+
+TEST_CASE("lights chosen by a tree are met with the density of their samples", "[statistical][lights]") {
+  Scene scene;
+  for (int i = 0; i < 12; ++i) {
+    const auto angle = static_cast<float>(0.5 * i);
+    const vec3 at(2.0f * std::cos(angle), 0.3f * static_cast<float>(i) - 2.0f, 2.0f * std::sin(angle));
+    add_sphere(scene, at, 0.1f + 0.03f * static_cast<float>(i % 5), light(grey(static_cast<float>(1 + i * i))));
+    add_quad(scene, -1.2f * at, {0.6f, 0.1f, 0}, {0, 0.2f, 0.5f},
+             light(i == 3 ? checker(0.3f, Rgb(5.0f), Rgb(1.0f)) : grey(static_cast<float>(2 + i))));
+  }
+  add_sphere(scene, vec3(0.2f, 0.1f, 0.3f), 9.0f, light(grey(0.01f)));  // which the point is inside of
+  set_sky(scene, 8, 4, [](int x, int y) { return Rgb(x == 3 ? 2.0f : 0.1f, 0.2f, y == 0 ? 1.0f : 0.3f); });
+  const Lights lights(scene, scene_needs(scene));
+  CHECK(lights.tree().emitters().size() == 12 + 24 + 1);
+  compare_with_density(scene, vec3(0.2f, 0.1f, 0.3f), vec3(0, 1, 0), 180.0, 200000, 60);
 }
 
 TEST_CASE("lights are chosen in proportion to their power", "[statistical][lights]") {

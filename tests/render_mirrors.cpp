@@ -43,6 +43,24 @@ TEST_CASE("a lamp that only mirrors show is found by sampling over them", "[stat
   CHECK(with.error < 0.25 * without.error);
 }
 
+TEST_CASE("many lamps, which a tree chooses, are found over mirrors without a bias", "[statistical][mirrors]") {
+  SeenScene scene = corridor();
+  for (int i = 0; i < 20; ++i) {
+    const auto at = static_cast<float>(i);
+    add_sphere(scene, {-1.2f + 0.12f * at, 0.5f + 0.1f * at, -4.0f + 0.35f * at}, 0.05f, light(grey(1.0f + at)));
+  }
+  CHECK_FALSE(Lights(scene, scene_needs(scene)).tree().empty());
+  RenderOptions options = render_options(16, 16, 2048, 8);
+  options.sampler = SamplerKind::independent;
+  const Estimate with = mean_luminance(render(scene, options));
+  options.integrator.kind = IntegratorKind::book;
+  options.samples_per_pixel = 4096;
+  const Estimate book = mean_luminance(render(scene, options));
+  INFO(with.mean << " ± " << with.error << ", book " << book.mean << " ± " << book.error);
+  CHECK(std::abs(difference_z(with, book)) < 4.0);
+  CHECK(std::hypot(with.error, book.error) < 0.015 * book.mean);
+}
+
 TEST_CASE("mirrors are told by their planes, and chains of them are chosen with their shares", "[unit][mirrors]") {
   const SeenScene scene = corridor();
   const Lights lights(scene, scene_needs(scene));

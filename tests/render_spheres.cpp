@@ -285,6 +285,18 @@ TEST_CASE("the sun of a picture of the sky is found over a ball", "[statistical]
   check_found(scene, 0.3);
 }
 
+TEST_CASE("many lamps, which a tree chooses, are found over balls", "[statistical][spheres]") {
+  SeenScene scene = balls({kMirror, glass()});
+  const Texture pattern = picture(scene, 2, 2, [](int x, int y) { return Rgb(20.0f + 200.0f * x, 100.0f, 50.0f * y); });
+  for (int i = 0; i < 30; ++i) {
+    const float x = -2.0f + 0.13f * i;
+    add_quad(scene, {x, 2.5f, -1.0f + 0.1f * i}, {0.03f, 0, 0}, {0, 0, 0.03f}, light(grey(20.0f * (1 + i % 7))));
+    add_quad(scene, {x, 2.8f, 1.0f}, {0.03f, 0, 0}, {0, 0.03f, 0}, light(pattern));
+    add_sphere(scene, {x, 2.0f, 0.5f}, 0.01f, light(grey(30.0f * (1 + i % 5))));
+  }
+  check_found(scene, 0.5);
+}
+
 TEST_CASE("two balls, hollow glass and balls within balls keep their light", "[statistical][spheres]") {
   SeenScene scene = balls({kMirror, glass()});
   add_sphere(scene, {0.6f, 0.5f, 0}, 0.4f, glass(1.0f / 1.5f));

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/frame.hpp"
 #include "core/low_discrepancy.hpp"
 #include "core/warp.hpp"
+#include "light_choice.hpp"
 #include "light_lanes.hpp"
 #include "raylab/scene/surface_point.hpp"
 
@@ -23,20 +23,25 @@ double sphere_power(const Sphere& s) {
   return 4.0 * static_cast<double>(kPi) * static_cast<double>(s.radius) * static_cast<double>(s.radius);
 }
 
-/// A sphere as seen from p. In double, since near its surface the distance to the centre cancels with the radius.
-struct SeenSphere {
-  dvec3 to_center;
-  double d2, r2;  ///< squared distance of the centre, squared radius
+TreeEmitter tree_emitter(const TriangleMesh& mesh, std::uint32_t id, std::uint32_t triangle) {
+  const Triangle t = triangle_corners(mesh, triangle);
+  const vec3 center = (t.p0 + t.p1 + t.p2) / 3.0f;
+  float radius = 0.0f;
+  for (const vec3& p : {t.p0, t.p1, t.p2}) radius = std::max(radius, glm::length(p - center));
+  return {center, radius, 0.0f, point_on_triangle(t, 0.0f, 0.0f).ng, id, triangle};
+}
 
-  SeenSphere(const Sphere& sphere, const vec3& p)
-      : to_center(dvec3(sphere.center) - dvec3(p)),
-        d2(glm::dot(to_center, to_center)),
-        r2(static_cast<double>(sphere.radius) * sphere.radius) {}
-
-  bool from_inside() const { return d2 <= r2; }
-  /// 1 - cos of the half angle under which it is seen from outside; accurate for small angles.
-  double one_minus_cos_max() const { return r2 / d2 / (1.0 + std::sqrt((d2 - r2) / d2)); }
-};
+void put(const LightSample& light, int i, LightLanes& out) {
+  for (int k = 0; k < 3; ++k) {
+    out.radiance[k][i] = (&light.radiance.x)[k];
+    out.wi[k][i] = (&light.wi.x)[k];
+    out.position[k][i] = (&light.position.x)[k];
+    out.ng[k][i] = (&light.ng.x)[k];
+  }
+  out.end[i] = light.end;
+  out.pdf[i] = light.pdf;
+  if (light.infinite) out.infinite |= 1u << i;
+}
 
 /// The least probability of an emitter in LightTable: numbers of 24 bits are good to 2^-14 of it.
 constexpr double kLeastOfTable = 0x1p-10;
@@ -46,6 +51,7 @@ constexpr double kLeastOfTable = 0x1p-10;
 Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   const Geometry& geometry = scene.geometry;
   std::vector<double> powers;
+  std::vector<TreeEmitter> emitters;
   if (needs.area_lights) {
     material_luminance_.resize(scene.materials.size(), 0.0f);
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
@@ -55,14 +61,22 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
       }
     }
     for (std::uint32_t m = 0; m < geometry.meshes.size(); ++m) {
-      for (std::uint32_t i = 0; i < geometry.meshes[m].triangles.size(); ++i) add_triangle(m, i, powers);
-    }
-    for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
-      const double power = material_luminance_[scene.sphere_materials[i]] * sphere_power(geometry.spheres[i]);
-      if (power > 0.0 && is_valid_sphere(geometry.spheres[i])) {
-        spheres_.push_back(i);
+      const TriangleMesh& mesh = geometry.meshes[m];
+      for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        const float luminance = material_luminance_[scene.mesh_materials[m].of(i)];
+        if (!(luminance > 0.0f) || !is_valid_triangle(mesh, i)) continue;
+        const double power = luminance * triangle_power(triangle_corners(mesh, i));
+        if (!(power > 0.0)) continue;
+        emitters.push_back(tree_emitter(mesh, m, i));
         powers.push_back(power);
       }
+    }
+    for (std::uint32_t i = 0; i < geometry.spheres.size(); ++i) {
+      const Sphere& sphere = geometry.spheres[i];
+      const double power = material_luminance_[scene.sphere_materials[i]] * sphere_power(sphere);
+      if (!(power > 0.0) || !is_valid_sphere(sphere)) continue;
+      emitters.push_back({sphere.center, sphere.radius, 0.0f, vec3(0.0f), geometry.sphere_geometry(), i});
+      powers.push_back(power);
     }
   }
   if (needs.environment_sampling) {
@@ -79,11 +93,21 @@ Lights::Lights(const Scene& scene, const SceneNeeds& needs) : scene_(scene) {
   for (const double p : powers) total += p;
   if (!(total > 0.0)) return;
   inv_total_power_ = 1.0 / total;
+  const bool has_environment = powers.size() > emitters.size();
+  if (has_environment) environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
+  if (emitters.size() > kFew) {
+    fill_tree(std::move(emitters), powers);
+    return;
+  }
+  for (const TreeEmitter& e : emitters) {
+    if (geometry.is_sphere(e.geometry)) {
+      spheres_.push_back(e.primitive);
+    } else {
+      add_triangle(e);
+    }
+  }
   fill_choice(powers);
   for (TriangleEmitter& t : triangles_) t.pdf_area = triangle_pdf_area(t.material);
-  if (powers.size() > triangles_.size() + spheres_.size()) {
-    environment_probability_ = static_cast<float>(powers.back() * inv_total_power_);
-  }
   if (std::ranges::min(powers) * inv_total_power_ >= kLeastOfTable) fill_table();
 }
 
@@ -124,21 +148,30 @@ void Lights::fill_table() {
   }
 }
 
-void Lights::add_triangle(std::uint32_t mesh_id, std::uint32_t triangle, std::vector<double>& powers) {
-  const std::uint32_t material = scene_.mesh_materials[mesh_id].of(triangle);
-  const TriangleMesh& mesh = scene_.geometry.meshes[mesh_id];
-  if (!(material_luminance_[material] > 0.0f) || !is_valid_triangle(mesh, triangle)) return;
-  const Triangle corners = triangle_corners(mesh, triangle);
-  const double power = material_luminance_[material] * triangle_power(corners);
-  if (!(power > 0.0)) return;
+void Lights::add_triangle(const TreeEmitter& e) {
+  const std::uint32_t material = scene_.mesh_materials[e.geometry].of(e.primitive);
+  const Triangle corners = triangle_corners(scene_.geometry.meshes[e.geometry], e.primitive);
   const SurfacePoint point = point_on_triangle(corners, 0.0f, 0.0f);
   // That of any point of the triangle is no larger than the largest of its corners'.
   const float offset = std::max(
       {point.offset, point_on_triangle(corners, 1.0f, 0.0f).offset, point_on_triangle(corners, 0.0f, 1.0f).offset});
   const Texture& texture = scene_.materials[material].color;
   triangles_.push_back({corners.p0, corners.p1 - corners.p0, corners.p2 - corners.p0, point.ng, offset, 0.0f, texture.a,
-                        mesh_id, triangle, material, texture.kind != Texture::Kind::solid});
-  powers.push_back(power);
+                        e.geometry, e.primitive, material, texture.kind != Texture::Kind::solid});
+}
+
+void Lights::fill_tree(std::vector<TreeEmitter> emitters, const std::vector<double>& powers) {
+  for (std::size_t i = 0; i < emitters.size(); ++i) {
+    // Over pi the power of a triangle is 2, and that of a sphere 4 times its largest intensity. None is so weak that
+    // its strength vanishes.
+    const double strength = powers[i] * inv_total_power_ / (emitters[i].ng == vec3(0.0f) ? 4.0 : 2.0);
+    emitters[i].strength = std::max(static_cast<float>(strength), 1e-20f);
+  }
+  const bool has_environment = powers.size() > emitters.size();
+  const double end = has_environment ? (1.0 - powers.back() * inv_total_power_) * 0x1p64 : 0.0;
+  tree_ = LightTree(std::move(emitters));
+  view_ = tree_.view(static_cast<std::uint64_t>(end));
+  if (has_environment) environment_probability_ = 1.0f - view_.probability;
 }
 
 Lights::Choice Lights::choose(std::uint64_t select) const {
@@ -154,24 +187,85 @@ Lights::Choice Lights::choose(std::uint64_t select) const {
   return {i, std::min(static_cast<float>(share), kBelowOne)};
 }
 
-LightSample Lights::sample(const vec3& p, std::uint64_t select, float v) const {
+LightSample Lights::sample(const vec3& p, std::uint64_t select, float v, const vec3& receiver_ng) const {
+  if (!tree_.empty()) {
+    const LightChoice choice = choose_light<float>(view_, {p, receiver_ng}, select);
+    return sample_tree_emitter(choice.at, static_cast<float>(choice.probability), p, {choice.u(), v});
+  }
   const Choice chosen = choose(select);
   return sample_emitter(chosen.emitter, p, {chosen.u, v});
 }
 
 LightSample Lights::sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const {
   if (chosen < triangles_.size()) return sample_mesh(triangles_[chosen], p, u);
-  if (chosen == triangles_.size() + spheres_.size()) {
-    const EnvironmentSampler::Sample s = environment_.sample(u);
-    LightSample light;
-    light.wi = s.direction;
-    light.radiance = scene_.environment.radiance(s.direction);
-    light.pdf = environment_probability_ * s.pdf;
-    light.infinite = true;
-    light.end = kInfinity;
-    return light;
+  if (chosen == triangles_.size() + spheres_.size()) return sample_environment(u);
+  const std::uint32_t sphere = spheres_[chosen - triangles_.size()];
+  return sample_sphere(sphere, sphere_probability(sphere, scene_.sphere_materials[sphere]), p, u);
+}
+
+LightSample Lights::sample_environment(const vec2& u) const {
+  const EnvironmentSampler::Sample s = environment_.sample(u);
+  LightSample light;
+  light.wi = s.direction;
+  light.radiance = scene_.environment.radiance(s.direction);
+  light.pdf = environment_probability_ * s.pdf;
+  light.infinite = true;
+  light.end = kInfinity;
+  return light;
+}
+
+LightSample Lights::sample_tree_emitter(std::uint32_t chosen, float probability, const vec3& p, const vec2& u) const {
+  if (!(probability > 0.0f)) return {};
+  if (chosen == LightChoice::kNotOfTree) return sample_environment(u);
+  const auto [geometry, primitive] = tree_.emitters()[chosen];
+  if (scene_.geometry.is_sphere(geometry)) return sample_sphere(primitive, probability, p, u);
+  const TriangleMesh& mesh = scene_.geometry.meshes[geometry];
+  const Triangle t = triangle_corners(mesh, primitive);
+  const TriangleLightSample<float> s = sample_triangle<float>(true, t.p0, t.p1, t.p2, probability, p, {u.x, u.y});
+  LightSample light;
+  if (!(s.pdf > 0.0f)) return light;
+  light.wi = s.wi;
+  light.position = s.position;
+  light.ng = s.ng;
+  light.end = s.end;
+  light.pdf = s.pdf;
+  const Texture& texture = scene_.materials[scene_.mesh_materials[geometry].of(primitive)].color;
+  const vec2 uv = texture.kind == Texture::Kind::image ? interpolated_texcoords(mesh, primitive, s.b1, s.b2) : vec2(0);
+  light.radiance = texture_color(texture, scene_.textures, s.position, uv);
+  return light;
+}
+
+void Lights::fetch(std::uint32_t lanes, const float* v, const float* const (&p)[3], LightLanes& out) const {
+  out.triangles = out.spheres = out.infinite = 0;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    const vec3 from(p[0][i], p[1][i], p[2][i]);
+    if (out.probability[i] > 0.0f && out.emitter[i] != LightChoice::kNotOfTree) {
+      const auto [geometry, primitive] = tree_.emitters()[out.emitter[i]];
+      const bool is_sphere = scene_.geometry.is_sphere(geometry);
+      const Texture& texture = scene_.materials[scene_.material_of(geometry, primitive)].color;
+      bool ready = texture.kind == Texture::Kind::solid;
+      if (ready && is_sphere) {
+        const Sphere& sphere = scene_.geometry.spheres[primitive];
+        ready = SeenSphere<float>(sphere.center, sphere.radius, from).from_outside();
+        const float* const row = &sphere.center.x;
+        for (int k = 0; k < 4; ++k) out.corner[k][i] = row[k];
+      } else if (ready) {
+        const TriangleMesh& mesh = scene_.geometry.meshes[geometry];
+        const uvec3& corners = mesh.triangles[primitive];
+        for (int c = 0; c < 3; ++c) {
+          const float* const corner = &mesh.positions[corners[c]].x;
+          for (int k = 0; k < 3; ++k) out.corner[3 * c + k][i] = corner[k];
+        }
+      }
+      if (ready) {
+        for (int k = 0; k < 3; ++k) out.radiance[k][i] = (&texture.a.x)[k];
+        (is_sphere ? out.spheres : out.triangles) |= 1u << i;
+        continue;
+      }
+    }
+    put(sample_tree_emitter(out.emitter[i], out.probability[i], from, {out.u[i], v[i]}), i, out);
   }
-  return sample_sphere(spheres_[chosen - triangles_.size()], p, u);
 }
 
 void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
@@ -187,16 +281,7 @@ void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const
       out.triangles |= 1u << i;
       continue;
     }
-    const LightSample light = sample_emitter(chosen.emitter, {p[0][i], p[1][i], p[2][i]}, {chosen.u, v[i]});
-    for (int k = 0; k < 3; ++k) {
-      out.radiance[k][i] = (&light.radiance.x)[k];
-      out.wi[k][i] = (&light.wi.x)[k];
-      out.position[k][i] = (&light.position.x)[k];
-      out.ng[k][i] = (&light.ng.x)[k];
-    }
-    out.end[i] = light.end;
-    out.pdf[i] = light.pdf;
-    if (light.infinite) out.infinite |= 1u << i;
+    put(sample_emitter(chosen.emitter, {p[0][i], p[1][i], p[2][i]}, {chosen.u, v[i]}), i, out);
   }
 }
 
@@ -207,7 +292,7 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
   if (!(s.pdf > 0.0f)) return light;
   light.wi = s.wi;
   light.position = s.position;
-  light.ng = emitter.ng;
+  light.ng = s.ng;
   light.end = s.end;
   light.pdf = s.pdf;
   light.radiance = emitter.radiance;
@@ -218,52 +303,47 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
   return light;
 }
 
-LightSample Lights::sample_sphere(std::uint32_t sphere_id, const vec3& p, const vec2& u) const {
+LightSample Lights::sample_sphere(std::uint32_t sphere_id, float probability, const vec3& p, const vec2& u) const {
   const Sphere& sphere = scene_.geometry.spheres[sphere_id];
-  const SeenSphere seen(sphere, p);
-  SurfacePoint point;
-  if (seen.from_inside()) {
-    // From inside every point is seen: uniform over the surface.
-    const vec3 on_unit = uniform_sphere<float>(u.x, u.y);
-    point = point_on_sphere(sphere, on_unit);
-  } else {
-    // Uniform in the cone of directions that meet the sphere; the angle alpha at its centre gives the point
-    // (pbrt-v4 §6.2.4).
-    const double d = std::sqrt(seen.d2);
-    const double one_minus_cos = static_cast<double>(u.x) * seen.one_minus_cos_max();
-    const double cos_theta = 1.0 - one_minus_cos;
-    const double sin2_theta = std::max(0.0, one_minus_cos * (1.0 + cos_theta));
-    const double sin_max = std::sqrt(seen.r2) / d;
-    const double cos_alpha =
-        sin2_theta / sin_max + cos_theta * std::sqrt(std::max(0.0, 1.0 - sin2_theta / (sin_max * sin_max)));
-    const auto sin_alpha = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cos_alpha * cos_alpha)));
-    float sine, cosine;
-    sine_cosine_of_turn(u.y, sine, cosine);
-    const Frame frame(vec3(-seen.to_center / d));
-    const vec3 n = frame.to_world(vec3(sin_alpha * cosine, sin_alpha * sine, static_cast<float>(cos_alpha)));
-    point = point_on_sphere(sphere, n);
-  }
   LightSample light;
-  light.wi = glm::normalize(point.position - p);
-  const std::uint32_t material = scene_.sphere_materials[sphere_id];
-  light.pdf = sphere_pdf(sphere_id, material, p, point.position, light.wi);
-  if (!(light.pdf > 0.0f && light.pdf < kInfinity)) {
-    light.pdf = 0.0f;
-    return light;
+  SurfacePoint point;
+  if (SeenSphere<float>(sphere.center, sphere.radius, p).from_outside()) {
+    PointLanes<float> on_sphere;
+    const TriangleLightSample<float> s =
+        sample_sphere_outside<float>(sphere.center, sphere.radius, probability, p, {u.x, u.y}, on_sphere);
+    if (!(s.pdf > 0.0f)) return light;
+    light.wi = s.wi;
+    light.pdf = s.pdf;
+    light.end = s.end;
+    point = {on_sphere.position, on_sphere.offset, on_sphere.ng, on_sphere.ng, vec2(0.0f)};
+  } else {
+    // From inside every point is seen: uniform over the surface.
+    point = point_on_sphere(sphere, uniform_sphere<float>(u.x, u.y));
+    const vec3 way = point.position - p;
+    light.wi = glm::normalize(way);
+    const float pdf = probability * sphere_direction_pdf(sphere_id, p, point.position, light.wi);
+    if (!(pdf > 0.0f && pdf < kInfinity)) return light;
+    light.pdf = pdf;
+    light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
   }
   light.position = point.position;
   light.ng = point.ng;
-  const vec3 way = point.position - p;
-  light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
+  const std::uint32_t material = scene_.sphere_materials[sphere_id];
   const Texture& texture = scene_.materials[material].color;
   const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(point.ng) : vec2(0.0f);
   light.radiance = texture_color(texture, scene_.textures, point.position, uv, AddressMode::clamp);
   return light;
 }
 
-float Lights::triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
-                           const vec3& wi) const {
-  return raylab::triangle_pdf<float>(triangle_pdf_area(material), p, hit_position, ng, wi);
+float Lights::triangle_pdf(std::uint32_t mesh, std::uint32_t triangle, std::uint32_t material, const vec3& p,
+                           const vec3& hit_position, const vec3& ng, const vec3& wi, const vec3& receiver_ng) const {
+  float pdf_area = triangle_pdf_area(material);
+  if (!tree_.empty() && pdf_area > 0.0f) {
+    const Triangle t = triangle_corners(scene_.geometry.meshes[mesh], triangle);
+    pdf_area = raylab::triangle_pdf_area<float>(
+        light_probability<float>(view_, {p, receiver_ng}, tree_.place(mesh, triangle)), t.p0, t.p1, t.p2);
+  }
+  return raylab::triangle_pdf<float>(pdf_area, p, hit_position, ng, wi);
 }
 
 float Lights::triangle_pdf_area(std::uint32_t material) const {
@@ -271,22 +351,30 @@ float Lights::triangle_pdf_area(std::uint32_t material) const {
   return static_cast<float>(2.0 * static_cast<double>(material_luminance_[material]) * inv_total_power_);
 }
 
-float Lights::sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position,
+float Lights::sphere_direction_pdf(std::uint32_t sphere, const vec3& p, const vec3& hit_position,
                                    const vec3& wi) const {
-  const SeenSphere seen(sphere, p);
-  if (!seen.from_inside()) return static_cast<float>(1.0 / (2.0 * static_cast<double>(kPi) * seen.one_minus_cos_max()));
+  const Sphere& s = scene_.geometry.spheres[sphere];
+  const SeenSphere<float> seen(s.center, s.radius, p);
+  if (seen.from_outside()) return seen.pdf();
   const vec3 to_light = hit_position - p;
-  const vec3 n = (hit_position - sphere.center) / sphere.radius;
+  const vec3 n = (hit_position - s.center) / s.radius;
   const float cosine = std::abs(glm::dot(n, wi));
   return cosine > 0.0f ? glm::dot(to_light, to_light) / (cosine * 4.0f * kPi * static_cast<float>(seen.r2)) : 0.0f;
 }
 
+float Lights::sphere_probability(std::uint32_t sphere, std::uint32_t material) const {
+  return static_cast<float>(material_luminance_[material] * sphere_power(scene_.geometry.spheres[sphere]) *
+                            inv_total_power_);
+}
+
 float Lights::sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,
-                         const vec3& wi) const {
+                         const vec3& wi, const vec3& receiver_ng) const {
   if (material_luminance_.empty()) return 0.0f;
-  const Sphere& s = scene_.geometry.spheres[sphere];
-  const auto probability = static_cast<float>(material_luminance_[material] * sphere_power(s) * inv_total_power_);
-  return probability * sphere_direction_pdf(s, p, hit_position, wi);
+  const float probability =
+      tree_.empty()
+          ? sphere_probability(sphere, material)
+          : light_probability<float>(view_, {p, receiver_ng}, tree_.place(scene_.geometry.sphere_geometry(), sphere));
+  return probability * sphere_direction_pdf(sphere, p, hit_position, wi);
 }
 
 float Lights::environment_pdf(const vec3& wi) const {
@@ -296,7 +384,7 @@ float Lights::environment_pdf(const vec3& wi) const {
 std::size_t Lights::bytes() const {
   return triangles_.capacity() * sizeof(TriangleEmitter) + spheres_.capacity() * sizeof(std::uint32_t) +
          first_.capacity() * sizeof(std::uint64_t) + material_luminance_.capacity() * sizeof(float) +
-         environment_.bytes();
+         environment_.bytes() + tree_.bytes();
 }
 
 }  // namespace raylab

@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "light_tree.hpp"
 #include "raylab/core/numeric.hpp"
 #include "raylab/scene/environment.hpp"
 #include "raylab/scene/needs.hpp"
@@ -34,6 +35,10 @@ struct LightLanes {
   alignas(64) float pdf[kMost];
   std::uint32_t triangles;  ///< bit i: lane i is an emitting triangle of constant radiance
   std::uint32_t infinite;   ///< bit i: light from outside the scene; no target
+  // Of emitters of a tree, in place of the index: what sampling reads of them.
+  alignas(64) float probability[kMost];
+  alignas(64) float corner[9][kMost];  ///< of triangles x, y, z of the three corners; of spheres centre and radius
+  std::uint32_t spheres = 0;           ///< bit i: lane i is a sphere of constant radiance, seen from outside
 };
 
 /// An emitting triangle of a scene.
@@ -58,45 +63,62 @@ struct LightTable {
   alignas(64) float columns[kColumns][kMost];
 };
 
-/// All emitters of a scene, chosen with probability in proportion to their power: triangles, spheres and, where
-/// SceneNeeds asks for it, the environment. Views the scene, which must outlive it.
+/// All emitters of a scene: triangles, spheres and, where SceneNeeds asks for it, the environment. Few are chosen with
+/// probability in proportion to their power; more than kFew triangles and spheres, by a tree, in proportion to what
+/// they may give at a point. Views the scene, which must outlive it.
 class Lights {
  public:
   Lights(const Scene& scene, const SceneNeeds& needs);
 
-  bool empty() const { return first_.empty(); }
-  std::size_t count() const { return first_.size(); }
+  static constexpr std::size_t kFew = LightTable::kMost;
+
+  bool empty() const { return count() == 0; }
+  std::size_t count() const { return tree_.empty() ? first_.size() : tree_.emitters().size() + (view_.end != 0); }
 
   /// A point of an emitter as seen from p. `select`, a number in units of 2^-64, chooses the emitter, and where it lies
   /// among those that choose it, together with v, the point: so points are as well spread over all emitters as the
   /// numbers are over the unit square. With fewer bits the weak emitters of many would be chosen with probabilities
   /// that have little to do with their densities.
-  LightSample sample(const vec3& p, std::uint64_t select, float v) const;
+  ///
+  /// Where there are many, the choice also looks at the normal of the surface that receives, on its lit side; 0 for
+  /// none. All densities below have to be asked for with that of the sample.
+  LightSample sample(const vec3& p, std::uint64_t select, float v, const vec3& receiver_ng = vec3(0.0f)) const;
 
   /// The same for the lanes of a mask, by the upper and the lower halves of numbers, as seen from positions given
   /// as arrays of x, y and z.
   void sample(std::uint32_t lanes, const std::uint32_t* select_high, const std::uint32_t* select_low, const float* v,
               const float* const (&p)[3], LightLanes& out) const;
 
+  /// The same with emitters that a tree has chosen: `out` has their choices, and is given what sampling reads of
+  /// triangles and spheres; other lanes are complete then.
+  void fetch(std::uint32_t lanes, const float* v, const float* const (&p)[3], LightLanes& out) const;
+
   /// Density per steradian at p with which sample() gives the point `hit_position` of an emitter that a ray of unit
-  /// direction wi has hit: a triangle with unit normal ng and the material's mean luminance, or a sphere.
-  float triangle_pdf(std::uint32_t material, const vec3& p, const vec3& hit_position, const vec3& ng,
-                     const vec3& wi) const;
+  /// direction wi has hit: a triangle of a mesh, with unit normal ng and of the material, or a sphere.
+  float triangle_pdf(std::uint32_t mesh, std::uint32_t triangle, std::uint32_t material, const vec3& p,
+                     const vec3& hit_position, const vec3& ng, const vec3& wi,
+                     const vec3& receiver_ng = vec3(0.0f)) const;
   float sphere_pdf(std::uint32_t sphere, std::uint32_t material, const vec3& p, const vec3& hit_position,
-                   const vec3& wi) const;
+                   const vec3& wi, const vec3& receiver_ng = vec3(0.0f)) const;
+  /// The density of a sphere's points apart from the probability of the sphere.
+  float sphere_direction_pdf(std::uint32_t sphere, const vec3& p, const vec3& hit_position, const vec3& wi) const;
   /// Density per area of a triangle of the material, for raylab::triangle_pdf(). Choosing by power makes it the same
-  /// everywhere on a material.
+  /// everywhere on a material; a tree does not, and then it means nothing.
   float triangle_pdf_area(std::uint32_t material) const;
   /// The same for light from unit direction wi from outside the scene; 0 where the environment is not sampled.
   float environment_pdf(const vec3& wi) const;
 
   std::span<const TriangleEmitter> emitting_triangles() const { return triangles_; }
   const LightTable& table() const { return table_; }
+  /// No emitters where there are few.
+  const LightTree& tree() const { return tree_; }
+  const LightTreeView& tree_view() const { return view_; }
 
   std::size_t bytes() const;
 
  private:
-  void add_triangle(std::uint32_t mesh, std::uint32_t triangle, std::vector<double>& powers);
+  void add_triangle(const TreeEmitter& emitter);
+  void fill_tree(std::vector<TreeEmitter> emitters, const std::vector<double>& powers);
   void fill_choice(const std::vector<double>& powers);
   void fill_table();
   /// An emitter, and what is left of the number that chose it, in [0, 1).
@@ -106,9 +128,11 @@ class Lights {
   };
   Choice choose(std::uint64_t select) const;
   LightSample sample_emitter(std::size_t chosen, const vec3& p, const vec2& u) const;
+  LightSample sample_tree_emitter(std::uint32_t chosen, float probability, const vec3& p, const vec2& u) const;
+  LightSample sample_environment(const vec2& u) const;
   LightSample sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const;
-  LightSample sample_sphere(std::uint32_t sphere, const vec3& p, const vec2& u) const;
-  float sphere_direction_pdf(const Sphere& sphere, const vec3& p, const vec3& hit_position, const vec3& wi) const;
+  LightSample sample_sphere(std::uint32_t sphere, float probability, const vec3& p, const vec2& u) const;
+  float sphere_probability(std::uint32_t sphere, std::uint32_t material) const;
 
   const Scene& scene_;
   std::vector<TriangleEmitter> triangles_;
@@ -120,6 +144,8 @@ class Lights {
   float environment_probability_ = 0.0f;
   EnvironmentSampler environment_;
   LightTable table_;
+  LightTree tree_;
+  LightTreeView view_;
 };
 
 }  // namespace raylab

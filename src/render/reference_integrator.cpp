@@ -24,14 +24,15 @@ Rgb escaped(const ShadingScene& s, const PathState<float>& path, ChainId chain) 
 
 /// Light that an emitter sends along the path's last ray.
 Rgb emitted(const ShadingScene& s, const PathState<float>& path, const Hit& hit, std::uint32_t material,
-            const SurfacePoint& point, const Rgb& color, ChainId chain) {
+            const SurfacePoint& point, const Rgb& color, ChainId chain, const vec3& scatter_ng) {
   if (!s.sample_lights) return path.throughput * color;
   vec3 from = path.scatter_position, direction = path.direction;
   float share = 1.0f;
   if (s.has_chains()) share = s.chain_share(chain, from, path.origin, direction, point.position, point.ng, false);
   float pdf = s.scene.geometry.is_sphere(hit.geometry)
-                  ? s.lights.sphere_pdf(hit.primitive, material, from, point.position, direction)
-                  : s.lights.triangle_pdf(material, from, point.position, point.ng, direction);
+                  ? s.lights.sphere_pdf(hit.primitive, material, from, point.position, direction, scatter_ng)
+                  : s.lights.triangle_pdf(hit.geometry, hit.primitive, material, from, point.position, point.ng,
+                                          direction, scatter_ng);
   if (s.has_chains()) pdf *= share;
   return path.throughput * color * met_light_weight(path, pdf);
 }
@@ -41,7 +42,7 @@ Rgb direct_light(const ShadingScene& s, const PathVertex<float>& v, const PathSt
                  std::uint32_t draw, RayCounts& counts) {
   const auto bits = sampler.bits2(draw + kLightPoint);
   const std::uint64_t select = static_cast<std::uint64_t>(bits.first) << 32 | sampler.bits2(draw + kLightChoice).first;
-  const LightSample light = s.lights.sample(v.point.position, select, bits_to_unit(bits.second));
+  const LightSample light = s.lights.sample(v.point.position, select, bits_to_unit(bits.second), v.ng);
   const ShadowRay<float> ray = shadow_ray<float>(
       v, path, {light.wi, light.position, light.radiance, light.end, light.pdf, light.infinite}, s.settings.ray_offset);
   if (!ray.usable) return Rgb(0.0f);
@@ -108,7 +109,8 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
   const Scene& scene = s.scene;
   Rgb radiance(0.0f);
   float t_min = 0.0f;
-  ChainId chain = 0;  // of the specular surfaces since the last vertex from which lights were sampled
+  ChainId chain = 0;      // of the specular surfaces since the last vertex from which lights were sampled
+  vec3 scatter_ng(0.0f);  // the normal there; over specular surfaces lights are sampled without one
   for (int segment = 1;; ++segment) {
     ++(segment == 1 ? counts.camera : counts.scattered);
     const Ray ray{path.origin, path.direction, t_min};
@@ -121,7 +123,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     const Rgb color = texture_color(material.color, scene.textures, point.position, point.uv,
                                     address_mode_of_v(scene.geometry.is_sphere(hit->geometry)));
     if (material.kind == Material::Kind::diffuse_light)
-      return radiance + emitted(s, path, *hit, material_id, point, color, chain);
+      return radiance + emitted(s, path, *hit, material_id, point, color, chain, scatter_ng);
     if (segment >= s.settings.max_depth) return radiance;
 
     const Vec3<float> normals = normal_sum(scene.geometry, *hit);
@@ -140,6 +142,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
     const Vec2<float> u = sampler.get2(draw + kDirection);
     const float lobe = has_lobes(v.material) ? sampler.get1(draw + kLobe) : 0.0f;
     const PathState<float> before = path;
+    scatter_ng = v.ng;
     if (!scatter<float>(v, u, lobe, s.settings.ray_offset, path)) return radiance;
     if (s.has_chains()) {
       vec3 from = before.scatter_position;
@@ -147,6 +150,7 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
       if (before.scatter_pdf > 0.0f && s.follow(hit->geometry, hit->primitive, reflected, chain, from)) {
         path.scatter_pdf = before.scatter_pdf;
         path.scatter_position = from;
+        scatter_ng = vec3(0.0f);
       } else {
         chain = 0;
       }

@@ -30,7 +30,8 @@ ShadingScene::ShadingScene(const Scene& scene_, const Camera& camera_, const Acc
       spheres(sample_lights && settings_.strategies.sphere && needs_.specular_spheres ? SphereChains(scene_)
                                                                                       : SphereChains()),
       emitters(lights.emitting_triangles().empty() ? nullptr : &lights.emitting_triangles()[0].p0.x),
-      light_table(lights.table()) {
+      light_table(lights.table()),
+      light_tree(lights.tree_view()) {
   materials.reserve(scene.materials.size() + 1);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
@@ -135,9 +136,12 @@ void ShadingScene::sphere_light_pdfs(std::uint32_t lanes, const HitLanes& hits, 
                                      const VectorLanes& position, const VectorLanes& wi, float* pdf) const {
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    pdf[i] =
-        lights.sphere_pdf(hits.primitive[i], scene.sphere_materials[hits.primitive[i]], {p[0][i], p[1][i], p[2][i]},
-                          {position[0][i], position[1][i], position[2][i]}, {wi[0][i], wi[1][i], wi[2][i]});
+    const std::uint32_t sphere = hits.primitive[i];
+    const vec3 from(p[0][i], p[1][i], p[2][i]), at(position[0][i], position[1][i], position[2][i]);
+    const vec3 direction(wi[0][i], wi[1][i], wi[2][i]);
+    pdf[i] = light_tree.nodes != nullptr
+                 ? lights.sphere_direction_pdf(sphere, from, at, direction)
+                 : lights.sphere_pdf(sphere, scene.sphere_materials[sphere], from, at, direction);
   }
 }
 

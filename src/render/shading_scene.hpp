@@ -56,7 +56,7 @@ struct ShadingScene {
   /// Colours of the `varying` lanes, by position and, on spheres, normal.
   void look_up_colors(const HitLanes& hits, const VectorLanes& position, const VectorLanes& ng,
                       SurfaceLanes& surfaces) const;
-  /// Lights::sphere_pdf for some lanes.
+  /// Lights::sphere_pdf for some lanes, or, with a tree, sphere_direction_pdf.
   void sphere_light_pdfs(std::uint32_t lanes, const HitLanes& hits, const VectorLanes& p, const VectorLanes& position,
                          const VectorLanes& wi, float* pdf) const;
   /// Radiance from outside the scene for some lanes, and Lights::environment_pdf.
@@ -89,6 +89,7 @@ struct ShadingScene {
   alignas(64) float material_columns[kMaterialColumns][kMostLanes];
   const float* emitters;
   const LightTable& light_table;
+  LightTreeView light_tree;
 };
 
 #if defined(__x86_64__)

@@ -13,7 +13,7 @@ namespace raylab {
 /// Turns of a path over specular surfaces since the last vertex from which lights were sampled: 0 is none, values below
 /// kSphereChains name a chain of MirrorImages, those from there on one of SphereChains.
 using ChainId = std::uint32_t;
-inline constexpr ChainId kSphereChains = 0x80000000u;
+inline constexpr ChainId kSphereChains = 0x40000000u;
 inline bool is_over_sphere(ChainId chain) { return chain >= kSphereChains; }
 
 /// What sampling over spheres reads, for lookup by lanes: a row for each sphere and way. There is one column for each

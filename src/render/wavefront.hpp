@@ -3,6 +3,7 @@
 // What happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
 #include <cstddef>
 
+#include "light_choice.hpp"
 #include "wavefront_queues.hpp"
 
 namespace raylab {
@@ -41,6 +42,12 @@ class Wavefront {
             {s.direction[0], s.direction[1], s.direction[2]},
             s.t_min,
             s.t_max};
+  }
+
+  /// The numbers of the bits that are set.
+  template <class Visit>
+  static void for_each(std::uint32_t bits, const Visit& visit) {
+    for (; bits != 0; bits &= bits - 1) visit(__builtin_ctz(bits));
   }
 
   BasicSampler<Wide> sampler_of(std::size_t first) const {
@@ -125,8 +132,9 @@ class Wavefront {
     }
   };
 
-  PointLanes<Wide> surface_points(WideMask hit, std::size_t first, const HitLanes& hits,
-                                  const PathState<Wide>& path) const {
+  /// Flattened: every hit comes here, and what the points of lights have use of too would be called otherwise.
+  [[gnu::flatten]] PointLanes<Wide> surface_points(WideMask hit, std::size_t first, const HitLanes& hits,
+                                                   const PathState<Wide>& path) const {
     PointLanes<Wide> point{};
     const auto& c = surfaces_.corner;
     const WideVec3 p0 = load3(c[0], c[1], c[2]);
@@ -205,11 +213,19 @@ class Wavefront {
         from = load3(p);
         wi = load3(direction);
       }
+      Wide probability(1.0f);
+      if (scene_.light_tree.nodes != nullptr) {
+        probability =
+            light_probabilities(lanes & (path.scatter_pdf > Wide(0.0f)), hits, from, load3(paths_.scatter_ng, first));
+        const auto& c = surfaces_.corner;
+        pdf_area =
+            triangle_pdf_area(probability, load3(c[0], c[1], c[2]), load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]));
+      }
       Wide pdf = triangle_pdf<Wide>(pdf_area, from, point.position, point.ng, wi);
       if (any(spheres)) {
         alignas(64) float sphere_pdf[kMostLanes];
         scene_.sphere_light_pdfs(spheres.bits(), hits, p, position, direction, sphere_pdf);
-        pdf = select(spheres, Wide::load(sphere_pdf), pdf);
+        pdf = select(spheres, probability * Wide::load(sphere_pdf), pdf);
       }
       if (chains) pdf = pdf * share;
       weight = met_light_weight(path, pdf);
@@ -244,13 +260,27 @@ class Wavefront {
     return chains != 0;
   }
   static vec3 lane(const VectorLanes& a, int i) { return {a[0][i], a[1][i], a[2][i]}; }
+  /// With which a tree chooses the emitters hit, for receivers at p.
+  [[gnu::noinline]] Wide light_probabilities(WideMask lanes, const HitLanes& hits, const WideVec3& p,
+                                             const WideVec3& ng) const {
+    alignas(64) float probability[kMostLanes] = {};
+    VectorLanes from, normal;
+    store3(p, from);
+    store3(ng, normal);
+    for_each(lanes.bits(), [&](int i) {
+      probability[i] = light_probability<Wide>(scene_.light_tree, receiver(from, normal, i),
+                                               scene_.lights.tree().place(hits.geometry[i], hits.primitive[i]));
+    });
+    return Wide::load(probability);
+  }
 
   /// Shadow rays towards one point of one light for each lane.
   [[gnu::noinline]] void light_samples(WideMask lanes, std::size_t first, const BasicSampler<Wide>& sampler,
                                        std::uint32_t draw, const PathVertex<Wide>& vertex,
                                        const PathState<Wide>& path) {
     const ShadowRay<Wide> ray = shadow_ray(
-        vertex, path, sample_lights(lanes, sampler, draw + kLightPoint, draw + kLightChoice, vertex.point.position),
+        vertex, path,
+        sample_lights(lanes, sampler, draw + kLightPoint, draw + kLightChoice, vertex.point.position, vertex.ng),
         offset_);
     const WideMask usable = lanes & ray.usable;
     if (!any(usable)) return;
@@ -324,7 +354,7 @@ class Wavefront {
     lanes = lanes & (chain.crossings <= Wide(static_cast<float>(scene_.settings.max_depth - segment - 2)));
     if (!any(lanes)) return;
     const SampledLight<Wide> light =
-        sample_lights(lanes, sampler, draw + kSpherePoint, draw + kSphereChoice, chain.center);
+        sample_lights(lanes, sampler, draw + kSpherePoint, draw + kSphereChoice, chain.center, WideVec3(Wide(0.0f)));
     const LightOverSphere<Wide> over = light_over_sphere<Wide>(chain, chosen, p, light);
     const ShadowRay<Wide> to_sphere = shadow_ray<Wide>(
         vertex, path, {over.wi, light.position, light.radiance, Wide(kInfinity), over.pdf, WideMask::of(~0u)}, offset_);
@@ -398,7 +428,7 @@ class Wavefront {
 
   /// Of the dimensions `point` and `choice`, see Draw.
   SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t point,
-                                   std::uint32_t choice, const WideVec3& position) {
+                                   std::uint32_t choice, const WideVec3& position, const WideVec3& ng) {
     const auto bits = sampler.bits2(point);
     const Wide v = bits_to_unit(bits.second);
     const LightTable& few = scene_.light_table;
@@ -416,6 +446,9 @@ class Wavefront {
     sampler.bits2(choice).first.store(select_low);
     v.store(v_lanes);
     store3(position, p);
+    if (scene_.light_tree.nodes != nullptr) {
+      return sample_tree(lanes, select_high, select_low, v, v_lanes, position, p, ng);
+    }
     scene_.lights.sample(lanes.bits(), select_high, select_low, v_lanes, {p[0], p[1], p[2]}, light_);
     const WideMask triangles = WideMask::of(light_.triangles);
     SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
@@ -436,13 +469,66 @@ class Wavefront {
     return light;
   }
 
+  static Receiver receiver(const VectorLanes& p, const VectorLanes& ng, int i) {
+    return {{p[0][i], p[1][i], p[2][i]}, {ng[0][i], ng[1][i], ng[2][i]}};
+  }
+
+  /// From emitters that a tree chooses, lane by lane.
+  SampledLight<Wide> sample_tree(WideMask lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
+                                 const Wide& v, const float* v_lanes, const WideVec3& position, const VectorLanes& p,
+                                 const WideVec3& ng) {
+    VectorLanes normal;
+    store3(ng, normal);
+    LightChoice choice[kMostLanes];
+    std::uint32_t choosing = 0;
+    for_each(lanes.bits(), [&](int i) {
+      const std::uint64_t number = static_cast<std::uint64_t>(select_high[i]) << 32 | select_low[i];
+      if (begin_choice(scene_.light_tree, number, choice[i])) choosing |= 1u << i;
+    });
+    while (choosing != 0) {
+      for_each(choosing, [&](int i) {
+        if (!choose_child<Wide>(scene_.light_tree, receiver(p, normal, i), choice[i])) choosing &= ~(1u << i);
+      });
+    }
+    for_each(lanes.bits(), [&](int i) {
+      light_.emitter[i] = choice[i].at;
+      light_.u[i] = choice[i].u();
+      light_.probability[i] = static_cast<float>(choice[i].probability);
+    });
+    scene_.lights.fetch(lanes.bits(), v_lanes, {p[0], p[1], p[2]}, light_);
+    SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
+                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite),
+                             load3(light_.ng)};
+    const auto take = [&](WideMask which, const TriangleLightSample<Wide>& s) {
+      light.wi = select<Wide>(which, s.wi, light.wi);
+      light.position = select<Wide>(which, s.position, light.position);
+      light.end = select(which, s.end, light.end);
+      light.pdf = select(which, s.pdf, light.pdf);
+      light.ng = select<Wide>(which, s.ng, light.ng);
+    };
+    const auto& c = light_.corner;
+    const WideVec3 first = load3(c[0], c[1], c[2]);
+    const Wide probability = Wide::load(light_.probability);
+    const WideVec2 u{Wide::load(light_.u), v};
+    const WideMask triangles = WideMask::of(light_.triangles), spheres = WideMask::of(light_.spheres);
+    if (any(triangles)) {
+      take(triangles, sample_triangle<Wide>(triangles, first, load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]),
+                                            probability, position, u));
+    }
+    if (any(spheres)) {
+      PointLanes<Wide> point;
+      take(spheres, sample_sphere_outside<Wide>(first, Wide::load(c[3]), probability, position, u, point));
+    }
+    return light;
+  }
+
   /// From the numbers of TriangleEmitter as far as the radiance, given by column.
   template <class Column>
   static SampledLight<Wide> sample_triangles(const Column& column, const WideVec3& position, const WideVec2& u) {
     const auto three = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
     const EmittingTriangle<Wide> emitter{three(0), three(3), three(6), three(9), column(12), column(13)};
     const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, position, u);
-    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0), emitter.ng};
+    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0), s.ng};
   }
 
   /// Scatters, and keeps the paths that go on.
@@ -466,6 +552,12 @@ class Wavefront {
     keep(paths_.seed_high);
     keep(paths_.sample);
     keep(paths_.slot);
+    if (scene_.light_tree.nodes != nullptr) {
+      WideVec3 ng = vertex.ng;
+      if (scene_.has_chains())
+        ng = select<Wide>(to_float(WideUInt::load(chain)) > Wide(0.0f), WideVec3(Wide(0.0f)), ng);
+      compress3(ng, alive, paths_.scatter_ng, kept_);
+    }
     if (scene_.has_chains()) compress(WideUInt::load(chain), alive, paths_.chain + kept_);
     kept_ += static_cast<std::size_t>(__builtin_popcount(alive.bits()));
   }

@@ -36,7 +36,8 @@ struct alignas(64) PathQueue {
   Floats eta_scale, scatter_pdf;
   Floats scatter_position[3];
   UInts seed_low, seed_high, sample;
-  UInts slot;   ///< in the batch
+  UInts slot;            ///< in the batch
+  Floats scatter_ng[3];  ///< normal at the scatter position, 0 past chains; of scenes whose lights a tree chooses
   UInts chain;  ///< of specular surfaces since the last vertex from which lights were sampled; of scenes that have some
 
   PathState<Wide> load(std::size_t i) const {
