@@ -144,6 +144,11 @@ TEST_CASE("a picture is written in float where it is asked for, and what half lo
   CHECK(read_image_info(folder / "float.exr").channels.front() == "A float");
 }
 
+TEST_CASE("a film of an earlier format is refused with its version", "[unit][image]") {
+  expect_refused(RAYLAB_SOURCE_DIR "/tests/fuzz/seeds/exr/film-1.exr",
+                 {"its film is of format version 1, and this program reads 2"});
+}
+
 TEST_CASE("damage to a film file is found wherever it is, with its place", "[unit][image]") {
   const TempFolder folder;
   const fs::path file = folder / "a.exr";
@@ -155,7 +160,7 @@ TEST_CASE("damage to a film file is found wherever it is, with its place", "[uni
     write_text(file, bytes);
   };
   // The last row of the film is the end of the file: 28 words and a check of its 7 pixels each.
-  for (std::size_t word = 0; word < 24; ++word) {
+  for (std::size_t word = 0; word < 27; ++word) {
     damaged(whole.size() - 1 - 28 * word - 4 * 2, 1 << (word % 8));
     expect_refused(file, {"its film is damaged at pixel 4, 36"});
   }

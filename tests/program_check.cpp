@@ -18,7 +18,7 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
     std::size_t dropped_bytes;
   };
   const Expected table[] = {
-      {"cornell", "spheres, area lights", 376, 208, 2, 0},
+      {"cornell", "spheres, area lights, specular spheres", 376, 208, 2, 0},
       {"one-weekend", "spheres", 484 * (16 + 4), 0, 0, 0},
       {"mirror-room", "spheres, area lights, plane mirrors", 6299528, 204, 2, 0},
       {"dragon", "shading normals, area lights", 20960952, 196, 2, 0},

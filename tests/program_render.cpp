@@ -128,7 +128,7 @@ TEST_CASE("the check option says how the scene was understood and writes nothing
   const ProgramResult result = raylab_render({kCornell, "-o", output, "--check"});
   CHECK(result.exit_code == 0);
   for (const char* part : {"12 triangles", "2 spheres", "lambertian", "dielectric", "mirror", "area lights",
-                           "376 of geometry", "800 x 800 pixels, 56.2 MiB", "; 64 samples a pixel\n"}) {
+                           "376 of geometry", "800 x 800 pixels, 60.4 MiB", "; 64 samples a pixel\n"}) {
     INFO(part << " in " << result.out);
     CHECK(result.out.find(part) != std::string::npos);
   }

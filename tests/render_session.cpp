@@ -74,7 +74,7 @@ TEST_CASE("ranges of samples rendered apart add up to the whole to the bit", "[u
     const Film whole = range(0, 16);
     Film merged = range(5, 11);
     merged.add(range(0, 5));
-    CHECK(different_pixels(merged, whole) == 0);
+    CHECK(merged == whole);
     CHECK(different_pixels(range(1, 16), whole) > 19 * 13 * 9 / 10);
   }
 }

@@ -17,7 +17,7 @@ Texture any_picture(Scene& scene) {
 
 void add_floor(Scene& scene, const Material& material) { add_quad(scene, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, material); }
 
-/// One need, and the least scene that has it and no other but spheres for those that are specular.
+/// One need, and the least scene that has it and no other, but for specular spheres spheres and a light.
 struct Case {
   const char* name;
   bool SceneNeeds::*need;
@@ -32,7 +32,11 @@ const std::vector<Case>& cases() {
       {"area lights", &N::area_lights, [](Scene& s) { add_floor(s, light(grey(1))); }},
       {"background sampling", &N::environment_sampling,
        [](Scene& s) { set_sky(s, 2, 1, [](int x, int) { return Rgb(static_cast<float>(x)); }); }},
-      {"specular spheres", &N::specular_spheres, [](Scene& s) { add_sphere(s, vec3(0), 1, glass()); }},
+      {"specular spheres", &N::specular_spheres,
+       [](Scene& s) {
+         add_sphere(s, vec3(0), 1, glass());
+         add_floor(s, light(grey(1)));
+       }},
       {"plane mirrors", &N::plane_mirrors, [](Scene& s) { add_floor(s, metal(grey(0.9f), 0.0f)); }},
   };
   return all;
@@ -68,6 +72,7 @@ TEST_CASE("each need is there when, and only when, the scene has what asks for i
     SceneNeeds expected;
     expected.*c.need = true;
     expected.spheres |= expected.specular_spheres;
+    expected.area_lights |= expected.specular_spheres;
     INFO(c.name);
     CHECK(scene_needs(scene) == expected);
   }

@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
+#include "raylab/image/film_error.hpp"
 #include "raylab/image/film_file.hpp"
 
 namespace raylab::app {
@@ -118,7 +119,11 @@ void merge(const std::vector<fs::path>& parts, const fs::path& output, const std
   attributes["raylab.firstSample"] = std::to_string(all.ranges.front().first);
   attributes["raylab.samplesPerPixel"] = std::to_string(samples);
   attributes["raylab.seconds"] = std::to_string(all.seconds);
-  attributes["raylab.estimatedRelmse"] = std::to_string(film.estimated_relmse());
+  const auto sampler = all.settings.find("sampler");
+  const bool is_sobol = sampler != all.settings.end() && sampler->second == "sobol" && all.ranges.size() == 1 &&
+                        all.ranges.front().first == 0;
+  const RelmseEstimate error = estimate_relmse(film, is_sobol);
+  for (const auto& [name, value] : error.attributes()) attributes[name] = value;
   attributes["raylab.partial"] = is_whole ? "false" : "true";
   attributes["raylab.mergedParts"] = std::to_string(parts.size());
   for (const char* of_one_part : {"raylab.samplesTaken", "raylab.stoppedBy"}) attributes.erase(of_one_part);
@@ -133,7 +138,7 @@ void merge(const std::vector<fs::path>& parts, const fs::path& output, const std
   picture.film = all;
   write_film_picture(output, picture);
   std::printf("merged %zu parts of %d x %d pixels, %u samples a pixel, estimated relMSE %s\n", parts.size(), width,
-              height, samples, attributes["raylab.estimatedRelmse"].c_str());
+              height, samples, error.text().c_str());
 }
 
 }  // namespace raylab::app

@@ -40,26 +40,24 @@ void take_snapshot(const RenderSession& session, const Image& coarse, TracedPict
   const int width = session.options().width, height = session.options().height;
   picture.image = Image(width, height);
   picture.samples = 0xffffffffu;
-  double relmse = 0.0;
-  std::uint64_t estimated = 0;  // pixels with two samples, which an estimate takes
+  RelmseEstimator error = session.error_estimator();
   for (int first = 0; first < height; first += kSnapshotRows) {
-    const Film film = session.snapshot_rows(first, std::min(kSnapshotRows, height - first));
-    std::uint64_t with_two = 0;
-    for (int row = 0; row < film.height(); ++row) {
-      const int y = first + row;
+    // One row more at either side, as the estimate of error looks at neighbours.
+    const int above = std::min(first, 1), count = std::min(kSnapshotRows, height - first);
+    const int below = std::min(height - first - count, 1);
+    const Film film = session.snapshot_rows(first - above, above + count + below);
+    for (int row = above; row < above + count; ++row) {
+      const int y = first - above + row;
       for (int x = 0; x < width; ++x) {
         const std::uint32_t samples = film.samples(x, row);
         picture.samples = std::min(picture.samples, samples);
-        with_two += samples >= 2;
         picture.image.at(x, y) =
             samples != 0 ? film.mean(x, row) : coarse.at(x * coarse.width / width, y * coarse.height / height);
       }
     }
-    if (with_two == 0) continue;
-    relmse += film.estimated_relmse() * static_cast<double>(with_two);
-    estimated += with_two;
+    error.add(film, above, count);
   }
-  picture.estimated_relmse = estimated == 0 ? kInfinity : relmse / static_cast<double>(estimated);
+  picture.estimated_relmse = error.estimate().relmse;
 }
 
 std::vector<std::uint8_t> encode_srgb(const Image& image, double exposure) {

@@ -110,7 +110,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   std::string first_sample;
   app.add_option("--first-sample", first_sample)->group("");  // an earlier one, told what took its place
   app.add_flag("--film", command.film,
-               "EXR files hold the exact sums too, 96 bytes a pixel: --resume takes more samples of them, "
+               "EXR files hold the exact sums too, 108 bytes a pixel: --resume takes more samples of them, "
                "raylab-image merge joins them");
   app.add_option("--checkpoint-every", checkpoint_every,
                  "Write the render's state to OUTPUT.checkpoint.exr so often, such as 30s, 10m or 1h (default: of "
@@ -122,8 +122,9 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
   app.add_option("--write-every", write_every, "Write the picture so far to the outputs so often")->type_name("TIME");
   app.add_option("--time-limit", time_limit, "Stop after so long a time of rendering, such as 30s, 10m or 1h")
       ->type_name("TIME");
-  app.add_option("--target-error", command.target_error,
-                 "Stop once the estimated relMSE is no more; --spp remains the limit")
+  app.add_option(
+         "--target-error", command.target_error,
+         "Stop after the first pass of which the estimated relMSE is reliable and no more; --spp remains the limit")
       ->check(CLI::PositiveNumber);
   app.add_option("--exr", command.exr,
                  "Values of EXR pictures: half or float (default: half, and float where half would lose values "

@@ -54,8 +54,8 @@ Attributes make_attributes(const RenderReport& r) {
                         {"raylab.stoppedBy", r.stopped_by},
                         {"raylab.accelerator", r.command.accel},
                         {"raylab.seconds", std::to_string(r.stats.seconds + r.seconds_before)},
-                        {"raylab.estimatedRelmse", std::to_string(r.estimated_relmse)},
                         {"raylab.partial", r.partial ? "true" : "false"}};
+  attributes.merge(r.error.attributes());
   if (r.taken.end > 0) attributes["raylab.samplesTaken"] = format("%u to %u", r.taken.first, r.taken.end);
   return attributes;
 }
@@ -99,7 +99,7 @@ class ShotRender {
     // Before the pictures: it holds all that they are made of.
     if (interrupted()) keep(session);
     const Film& film = session.film();
-    const RenderReport report = report_of(session, stopped_by_, film.estimated_relmse(), taken_of(film, options_));
+    const RenderReport report = report_of(session, stopped_by_, session.estimated_error(), taken_of(film, options_));
     if (!report.partial && warnings.empty() && is_black(film)) {
       job_.warn("the picture is black: no light reaches what the camera sees");
     }
@@ -237,11 +237,9 @@ class ShotRender {
   }
 
   /// For threads that write while this one waits.
-  RenderReport report_so_far(const RenderSession& session) const {
-    return report_of(session, "not yet", kInfinity, {});
-  }
+  RenderReport report_so_far(const RenderSession& session) const { return report_of(session, "not yet", {}, {}); }
 
-  RenderReport report_of(const RenderSession& session, const std::string& stopped_by, double estimated_relmse,
+  RenderReport report_of(const RenderSession& session, const std::string& stopped_by, const RelmseEstimate& error,
                          SampleRange taken) const {
     return {job_.command,
             job_.loaded,
@@ -254,7 +252,7 @@ class ShotRender {
             session.integrator().mirror_chains(),
             session.integrator().sphere_chains(),
             job_.load_seconds,
-            estimated_relmse,
+            error,
             stopped_by == "not yet" || stopped_by == "interrupt",
             stopped_by,
             taken,

@@ -31,7 +31,7 @@ std::string check_text(const RenderCommand& command, const LoadedScene& loaded, 
                        double load_seconds) {
   std::string text = scene_text(loaded, load_seconds);
   const std::size_t film =
-      Film::kWords * 4 * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
+      Film::kBytes * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
   text += format("film       %d x %d pixels, %.1f MiB; %u samples a pixel\n", options.width, options.height,
                  mebibytes(film), options.samples_per_pixel);
   const double each = find_accelerator(command.accel).capabilities.bytes_per_primitive;
@@ -88,10 +88,10 @@ std::string report_text(const RenderReport& r) {
     text += format("stopped    by %s with %u to %u of %u samples a pixel\n", r.stopped_by.c_str(), r.taken.first,
                    r.taken.end, r.options.samples_per_pixel);
   }
-  text += r.estimated_relmse < kInfinity
-              ? format("error      estimated relMSE %.3g (sample variance; an upper bound with sobol)\n",
-                       r.estimated_relmse)
-              : std::string("error      not estimated: that takes two samples per pixel\n");
+  text += "error      " +
+          (r.error.relmse < kInfinity ? "estimated relMSE " + r.error.text()
+                                      : std::string("not estimated: that takes two samples per pixel")) +
+          "\n";
   if (s.dropped > 0) {
     text += format("dropped    %" PRIu64 " samples that were not finite; the first again: ", s.dropped) +
             replay_command(r) + "\n";
@@ -155,7 +155,11 @@ std::string report_json(const RenderReport& r) {
   json["mrays_per_second"] = millions_per_second(s.rays.total(), s.seconds);
   json["mpaths_per_second"] = millions_per_second(s.rays.camera, s.seconds);
   // JSON has no infinity: an error that is not known is absent.
-  if (r.estimated_relmse < kInfinity) json["estimated_relmse"] = r.estimated_relmse;
+  if (r.error.relmse < kInfinity) {
+    json["estimated_relmse"] = r.error.relmse;
+    json["estimated_relmse_95"] = {{"low", r.error.low}, {"high", r.error.high}};
+    json["estimated_relmse_reliable"] = r.error.reliable;
+  }
   json["dropped_samples"] = s.dropped;
   if (s.dropped > 0) json["replay"] = replay_command(r);
   json["clamped_samples"] = s.too_bright;

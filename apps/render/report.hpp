@@ -18,7 +18,7 @@ struct RenderReport {
   std::size_t light_bytes;
   std::size_t mirror_chains, sphere_chains;
   double load_seconds;
-  double estimated_relmse;
+  RelmseEstimate error;
   bool partial;
   std::string stopped_by;  ///< what ended it: "samples", "--time-limit", "--target-error" or "interrupt"
   SampleRange taken;       ///< the fewest and the most of a pixel that was rendered

@@ -1,8 +1,9 @@
 #include "raylab/image/film.hpp"
 
-#include <limits>
+#include <bit>
 
 #include "raylab/core/check.hpp"
+#include "raylab/image/film_error.hpp"
 
 namespace raylab {
 
@@ -54,57 +55,119 @@ void SquareSum::add(const float* numbers, std::size_t count) {
   set(sum);
 }
 
+void OctaveSum::set(std::uint32_t octave, const std::array<std::uint64_t, 3>& units) {
+  auto bits = static_cast<unsigned __int128>(octave) << 81;
+  for (std::size_t c = 0; c < 3; ++c) {
+    bits |= static_cast<unsigned __int128>(std::min<std::uint64_t>(units[c], kMost)) << (27 * c);
+  }
+  *this = from_bits(bits);
+}
+
+void OctaveSum::add(const std::array<const float*, 3>& radiance, std::size_t count, std::uint32_t first) {
+  if (count == 0) return;
+  const auto octave_now = static_cast<std::uint32_t>(std::bit_width(first + static_cast<std::uint32_t>(count) - 1));
+  if (octave_now < octave()) return;
+  const bool goes_on = octave_now == octave();
+  const std::uint32_t start = octave_now == 0 ? 0 : 1u << (octave_now - 1);
+  const std::size_t skipped = first < start ? start - first : 0;
+  std::array<std::uint64_t, 3> sums;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::uint64_t sum = goes_on ? units(c) : 0;
+    for (std::size_t i = skipped; i < count; ++i) {
+      // Cut after an offset that is spread evenly over the samples, so that dark ones do not vanish.
+      const std::uint32_t spread = (first + static_cast<std::uint32_t>(i)) * 0x9e3779b9u;
+      const float offset = static_cast<float>(static_cast<std::int32_t>(spread >> 8)) * 0x1p-24f;
+      sum += static_cast<std::uint32_t>(
+          static_cast<std::int32_t>(std::min(radiance[c][i], 0x1p20f) * static_cast<float>(1.0 / kUnit) + offset));
+    }
+    sums[c] = sum;
+  }
+  set(octave_now, sums);
+}
+
+void OctaveSum::add(const OctaveSum& other) {
+  if (other.octave() < octave()) return;
+  if (other.octave() > octave()) {
+    *this = other;
+    return;
+  }
+  std::array<std::uint64_t, 3> sums;
+  for (std::size_t c = 0; c < 3; ++c) sums[c] = std::uint64_t{units(c)} + other.units(c);
+  set(octave(), sums);
+}
+
 Film::Film(int width, int height)
     : width_(width),
       height_(height),
       sums_(pixel_count(width, height)),
       squares_(sums_.size()),
-      kept_(sums_.size()),
+      octaves_(sums_.size()),
       taken_(sums_.size()) {}
 
-void Film::add(int x, int y, const std::array<const float*, 3>& radiance, std::size_t count) {
+void Film::add(int x, int y, const std::array<const float*, 3>& radiance, std::size_t count, std::uint32_t first) {
   const std::size_t i = index(x, y);
   for (std::size_t c = 0; c < 3; ++c) {
     add_numbers(radiance[c], count, sums_[i][c]);
     squares_[i][c].add(radiance[c], count);
   }
-  kept_[i] += static_cast<std::uint32_t>(count);
+  octaves_[i].add(radiance, count, first);
   taken_[i] += static_cast<std::uint32_t>(count);
+}
+
+void Film::drop(std::size_t pixel, std::uint32_t count) {
+  if (count == 0) return;
+  if (dropped_.empty()) dropped_.resize(taken_.size());
+  taken_[pixel] += count;
+  dropped_[pixel] += count;
 }
 
 Rgb Film::mean(int x, int y) const {
   const std::size_t i = index(x, y);
-  return kept_[i] == 0 ? Rgb(0.0f) : Rgb(mean(i));
+  return kept(i) == 0 ? Rgb(0.0f) : Rgb(mean(i));
 }
 
 dvec3 Film::mean(std::size_t pixel) const {
   const auto& sum = sums_[pixel];
-  return dvec3(sum[0].value(), sum[1].value(), sum[2].value()) / static_cast<double>(kept_[pixel]);
+  return dvec3(sum[0].value(), sum[1].value(), sum[2].value()) / static_cast<double>(kept(pixel));
 }
 
-dvec3 Film::variance_of_mean(std::size_t pixel) const {
-  return kept_[pixel] < 2 ? dvec3(0.0) : variance_of_mean(pixel, mean(pixel));
-}
-
-dvec3 Film::variance_of_mean(std::size_t pixel, const dvec3& m) const {
-  const double n = kept_[pixel];
-  const auto& squares = squares_[pixel];
-  const dvec3 squared_deviations = dvec3(squares[0].value(), squares[1].value(), squares[2].value()) - n * m * m;
+dvec3 Film::variance_of_mean(int x, int y) const {
+  const std::size_t pixel = index(x, y);
+  if (kept(pixel) < 2) return dvec3(0.0);
+  const double n = kept(pixel);
+  const dvec3 m = mean(pixel);
+  dvec3 squared_deviations;
+  for (int c = 0; c < 3; ++c) {
+    const SquareSum& squares = squares_[pixel][static_cast<std::size_t>(c)];
+    squared_deviations[c] = (squares.is_full() ? n * n * m[c] * m[c] : squares.value()) - n * m[c] * m[c];
+  }
   return glm::max(squared_deviations, dvec3(0.0)) / (n - 1.0) / n;
 }
 
-double Film::estimated_relmse() const {
-  double total = 0.0;
-  std::size_t pixels = 0;
-  for (std::size_t i = 0; i < sums_.size(); ++i) {
-    if (kept_[i] < 2) continue;
-    const dvec3 m = mean(i);
-    const dvec3 relative = variance_of_mean(i, m) / (m * m + 0.01);
-    total += (relative.x + relative.y + relative.z) / 3.0;
-    ++pixels;
-  }
-  return pixels == 0 ? std::numeric_limits<double>::infinity() : total / static_cast<double>(pixels);
+bool Film::variance_is_bound(int x, int y) const {
+  const auto& squares = squares_[index(x, y)];
+  return squares[0].is_full() || squares[1].is_full() || squares[2].is_full();
 }
+
+std::optional<dvec3> Film::octave_variance(int x, int y) const {
+  const std::size_t pixel = index(x, y);
+  const std::uint32_t n = kept(pixel);
+  const OctaveSum& octave = octaves_[pixel];
+  if (n < 2 || n != taken_[pixel] || octave.octave() != static_cast<std::uint32_t>(std::bit_width(n - 1))) return {};
+  const double before = 1u << (octave.octave() - 1), after = n - before;
+  dvec3 variance;
+  for (int c = 0; c < 3; ++c) {
+    const std::uint32_t units = octave.units(static_cast<std::size_t>(c));
+    if (units == OctaveSum::kMost) return {};
+    const double late = units * OctaveSum::kUnit;
+    const double early = sums_[pixel][static_cast<std::size_t>(c)].value() - late;
+    const double difference = late / after - early / before;
+    variance[c] = difference * difference * before * after / n / n;
+  }
+  return variance;
+}
+
+double Film::estimated_relmse() const { return estimate_relmse(*this, false).relmse; }
 
 Image Film::image() const {
   Image picture(width_, height_);
@@ -122,8 +185,12 @@ Film Film::rows(int first, int count) const {
   };
   copy(sums_, part.sums_);
   copy(squares_, part.squares_);
-  copy(kept_, part.kept_);
-  copy(taken_, part.taken_);
+  copy(octaves_, part.octaves_);
+  for (std::size_t i = 0; i < part.taken_.size(); ++i) {
+    const std::size_t pixel = index(0, first) + i;
+    part.taken_[i] = kept(pixel);
+    part.drop(i, taken_[pixel] - kept(pixel));
+  }
   return part;
 }
 
@@ -137,8 +204,9 @@ void Film::add(const Film& other, int x, int y) {
         sums_[to][c].add(other.sums_[from][c]);
         squares_[to][c].add(other.squares_[from][c]);
       }
-      kept_[to] += other.kept_[from];
-      taken_[to] += other.taken_[from];
+      octaves_[to].add(other.octaves_[from]);
+      taken_[to] += other.kept(from);
+      drop(to, other.taken_[from] - other.kept(from));
     }
   }
 }
@@ -153,7 +221,8 @@ void Film::row_words(int y, std::uint32_t* words) const {
     const auto put = [&](unsigned __int128 bits, int count) {
       for (int i = 0; i < count; ++i, word += width) *word = static_cast<std::uint32_t>(bits >> (32 * i));
     };
-    put(kept_[pixel], 1);
+    put(kept(pixel), 1);
+    put(octaves_[pixel].bits(), 3);
     for (std::size_t c = 3; c-- > 0;) put(squares_[pixel][c].bits(), 3);
     for (std::size_t c = 3; c-- > 0;) put(sums_[pixel][c].bits(), 4);
     put(taken_[pixel], 1);
@@ -170,14 +239,17 @@ void Film::add_row_words(int y, const std::uint32_t* words) {
       for (int i = 0; i < count; ++i, word += width) bits |= static_cast<unsigned __int128>(*word) << (32 * i);
       return bits;
     };
-    kept_[pixel] += static_cast<std::uint32_t>(take(1));
+    const auto more_kept = static_cast<std::uint32_t>(take(1));
+    octaves_[pixel].add(OctaveSum::from_bits(take(3)));
     for (std::size_t c = 3; c-- > 0;) {
       SquareSum squares;
       squares.set(take(3));
       squares_[pixel][c].add(squares);
     }
     for (std::size_t c = 3; c-- > 0;) sums_[pixel][c].add(ExactSum::from_bits(take(4)));
-    taken_[pixel] += static_cast<std::uint32_t>(take(1));
+    const auto more_taken = static_cast<std::uint32_t>(take(1));
+    taken_[pixel] += more_kept;
+    drop(pixel, more_taken - more_kept);
   }
 }
 

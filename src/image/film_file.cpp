@@ -26,6 +26,7 @@ constexpr const char* kPartName = "film";
 /// In the order of Film::row_words(), which is that of the names; the last checks the others.
 std::vector<std::string> channel_names() {
   std::vector<std::string> names{"kept"};
+  for (int i = 0; i < 3; ++i) names.push_back("octave." + std::to_string(i));
   for (const auto& [name, words] : {std::pair("square.", 3), std::pair("sum.", 4)}) {
     for (const char* color : {"B.", "G.", "R."}) {
       for (int i = 0; i < words; ++i) names.push_back(std::string(name) + color + std::to_string(i));
@@ -74,6 +75,7 @@ void check_headers(const std::vector<Imf::Header>& headers, const fs::path& file
       header.lineOrder() != Imf::INCREASING_Y) {
     damaged("another layout");
   }
+  detail::check_version(detail::string_attributes(header), file);
   const std::vector<std::string> names = channel_names();
   std::size_t known = 0;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++known) {

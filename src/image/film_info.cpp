@@ -11,7 +11,7 @@ namespace raylab {
 namespace {
 
 constexpr const char* kFormat = "raylab.filmVersion";
-constexpr const char* kFormatVersion = "1";
+constexpr const char* kFormatVersion = "2";
 constexpr const char* kPictureHash = "raylab.pictureHash";
 constexpr const char* kSamples = "raylab.samples";
 constexpr const char* kWanted = "raylab.samplesWanted";
@@ -102,17 +102,20 @@ Attributes attributes_of(const FilmInfo& info, int width, int height) {
   return attributes;
 }
 
+void check_version(const Attributes& attributes, const std::filesystem::path& file) {
+  const auto found = attributes.find(kFormat);
+  const std::string version = found == attributes.end() ? "" : found->second;
+  if (version == kFormatVersion) return;
+  throw Error(ErrorKind::input, file.string(),
+              "its film is of format version " + version + ", and this program reads " + kFormatVersion);
+}
+
 FilmInfo info_of(const Attributes& attributes, int width, int height, const std::filesystem::path& file) {
   FilmInfo info;
   const auto text = [&](const char* name) {
     const auto found = attributes.find(name);
     return found == attributes.end() ? std::string_view() : std::string_view(found->second);
   };
-  if (text(kFormat) != kFormatVersion) {
-    throw Error(
-        ErrorKind::input, file.string(),
-        "its film is of format version " + std::string(text(kFormat)) + ", and this program reads " + kFormatVersion);
-  }
   for (const auto& [name, value] : attributes) {
     if (name.starts_with(kSetting)) info.settings[name.substr(kSetting.size())] = value;
   }

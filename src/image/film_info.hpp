@@ -10,7 +10,10 @@ std::uint64_t hash_of(const std::map<std::string, std::string>& texts);
 /// With a hash of them all.
 Attributes attributes_of(const FilmInfo& info, int width, int height);
 
-/// The inverse. Throws Error (input) at the file where the attributes are of another format version, or damaged.
+/// Throws Error (input) at the file where the attributes are of another format version.
+void check_version(const Attributes& attributes, const std::filesystem::path& file);
+
+/// The inverse of attributes_of(). Throws Error (input) at the file where they are damaged.
 FilmInfo info_of(const Attributes& attributes, int width, int height, const std::filesystem::path& file);
 
 }  // namespace raylab::detail

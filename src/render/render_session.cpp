@@ -170,15 +170,16 @@ void RenderSession::run() {
   finished_.store(enough || !stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
 }
 
-/// Whether all pixels have exactly so many samples, and the error is no more than asked for: of a film that was gone
-/// on from, pixels that have more say that at this place it was not.
+/// Whether all pixels have exactly so many samples, and the error is reliably no more than asked for: of a film that
+/// was gone on from, pixels that have more say that at this place it was not.
 bool RenderSession::reached(std::uint32_t target) const {
   for (int y = region_.y; y < region_.y + region_.height; ++y) {
     for (int x = region_.x; x < region_.x + region_.width; ++x) {
       if (film_.taken(x, y) != target) return false;
     }
   }
-  return film_.estimated_relmse() <= *options_.target_error;
+  const RelmseEstimate error = estimated_error();
+  return error.reliable && error.relmse <= *options_.target_error;
 }
 
 void RenderSession::render_pass(std::uint32_t target) {
@@ -204,12 +205,12 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
     integrator_.trace(paths, radiance, stats.rays);
     for (const Run& run : runs) {
       if (in_range(radiance, run.first, run.count)) [[likely]] {
-        gathered.add(run.x, run.y, from(radiance, run.first), run.count);
+        gathered.add(run.x, run.y, from(radiance, run.first), run.count, paths.sample[run.first]);
         continue;
       }
       for (std::size_t i = run.first; i < run.first + run.count; ++i) {
         if (count_range({radiance[0][i], radiance[1][i], radiance[2][i]}, stats)) {
-          gathered.add(run.x, run.y, from(radiance, i), 1);
+          gathered.add(run.x, run.y, from(radiance, i), 1, paths.sample[i]);
         } else {
           gathered.drop(run.x, run.y, 1);
           RenderStats dropped;

@@ -80,6 +80,7 @@ SceneNeeds scene_needs(const Scene& scene) {
     needs.specular_spheres |= is_mirror(m) || m.kind == Material::Kind::dielectric;
   }
   needs.environment_sampling = scene.environment.kind == Environment::Kind::image && !scene.environment.is_black();
+  needs.specular_spheres = needs.specular_spheres && (needs.area_lights || needs.environment_sampling);
   return needs;
 }
 

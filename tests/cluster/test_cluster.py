@@ -61,9 +61,9 @@ def log_of(part):
 
 
 def rows(film):
-    """Picture and exact sums of a film file: after each row of the picture, in half, is the film's, of 24 words a
+    """Picture and exact sums of a film file: after each row of the picture, in half, is the film's, of 27 words a
     pixel, the last of which is a checksum; neither is compressed."""
-    row = 12 + 8 * WIDTH + 12 + 96 * WIDTH
+    row = 12 + 8 * WIDTH + 12 + 108 * WIDTH
     data = film.read_bytes()[-row * WIDTH:]
     return [data[y * row:(y + 1) * row - 4 * WIDTH] for y in range(WIDTH)]
 

@@ -110,7 +110,7 @@ TEST_CASE("a snapshot for the display says what the film says", "[unit][preview]
   if (options.samples_per_pixel == 1) {
     CHECK(picture.estimated_relmse == kInfinity);
   } else {
-    CHECK(picture.estimated_relmse == Approx(film.estimated_relmse()).epsilon(1e-12));
+    CHECK(picture.estimated_relmse == Approx(session.estimated_error().relmse).epsilon(1e-12));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "raylab/core/timing.hpp"
 #include "raylab/image/film.hpp"
+#include "raylab/image/film_error.hpp"
 #include "raylab/render/integrator.hpp"
 #include "raylab/scene/camera.hpp"
 
@@ -39,7 +40,7 @@ struct RenderOptions {
   int tile_size = 16;                    ///< pixels; changes no result
   std::uint32_t pass_samples = 16;       ///< of the first pass; changes no result
   std::uint32_t most_pass_samples = 64;  ///< later passes take as many as all before, up to this
-  std::optional<double> target_error;    ///< ends after the first pass whose estimated relMSE is no more
+  std::optional<double> target_error;    ///< ends after the first pass whose error is no more, by a reliable estimate
   std::optional<SceneNeeds> needs;       ///< absent: what scene_needs() says
 };
 
@@ -111,6 +112,11 @@ class RenderSession {
   /// The same of `count` rows from `first` on, for whom the whole, a hundred bytes a pixel, would be too much.
   Film snapshot_rows(int first, int count) const;
 
+  /// Of the film's error. Only while nothing is rendered.
+  RelmseEstimate estimated_error() const { return estimate_relmse(film_, is_net()); }
+  /// To gather the same from snapshot_rows().
+  RelmseEstimator error_estimator() const { return RelmseEstimator(is_net()); }
+
   RenderStats stats() const;
 
   const RenderOptions& options() const { return options_; }
@@ -118,6 +124,8 @@ class RenderSession {
   const Integrator& integrator() const { return integrator_; }
 
  private:
+  /// Whether the samples of a pixel are points of a net.
+  bool is_net() const { return options_.sampler == SamplerKind::sobol && options_.first_sample == 0; }
   bool reached(std::uint32_t target) const;
   void render_pass(std::uint32_t target);
   void render_tile(const PixelRect& tile, std::uint32_t target);
