@@ -44,13 +44,15 @@ Strategies parse_strategies(std::string_view names) {
     } else if (name == "sphere") {
       found.sphere = true;
     } else {
-      throw Error(ErrorKind::usage, "--strategies",
-                  "unknown strategy \"" + std::string(name) + "\"; expected auto, or of bsdf, light, mirror and sphere");
+      throw Error(
+          ErrorKind::usage, "--strategies",
+          "unknown strategy \"" + std::string(name) + "\"; expected auto, or of bsdf, light, mirror and sphere");
     }
   }
   if (!bsdf || ((found.mirror || found.sphere) && !found.light)) {
     throw Error(ErrorKind::usage, "--strategies",
-                "found " + std::string(names) + ", expected bsdf, then light, then mirror or sphere: each needs those before it");
+                "found " + std::string(names) +
+                    ", expected bsdf, then light, then mirror or sphere: each needs those before it");
   }
   return found;
 }

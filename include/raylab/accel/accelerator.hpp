@@ -118,8 +118,8 @@ struct AcceleratorCapabilities {
   /// Primitives of the largest scene that it is fit for: beyond, a ray takes thousands of times as long as with
   /// others.
   std::size_t largest_primitives = std::numeric_limits<std::size_t>::max();
-  bool is_exact = false;            ///< decides every hit without rounding: others are judged by it; slow
-  bool batch_equals_single = true;  ///< batches have the answers of single rays to the bit
+  bool is_exact = false;             ///< decides every hit without rounding: others are judged by it; slow
+  bool batch_equals_single = true;   ///< batches have the answers of single rays to the bit
   double bytes_per_primitive = 0.0;  ///< BuildReport::bytes, about, of a large scene in the usual quality; 0: unknown
 };
 

@@ -36,8 +36,8 @@ struct Strategies {
   bool mirror = true;  ///< and points of lights as seen over plane mirrors, where a scene has some
   bool sphere = true;  ///< and over spheres of glass or smooth metal
 };
-/// From "auto" (all that the scene needs), or names from bsdf, light, mirror and sphere with commas between them. Throws
-/// Error (usage).
+/// From "auto" (all that the scene needs), or names from bsdf, light, mirror and sphere with commas between them.
+/// Throws Error (usage).
 Strategies parse_strategies(std::string_view names);
 
 struct IntegratorSettings {

@@ -15,7 +15,8 @@ struct SceneNeeds {
   bool area_lights = false;           ///< some primitive emits
   bool environment_sampling = false;  ///< the background is a picture: directions are chosen by its brightness
   bool plane_mirrors = false;         ///< some flat faces are of smooth metal: lights are sampled over them too
-  bool specular_spheres = false;      ///< some spheres are of glass or smooth metal: what lights there are is sampled over them
+  bool specular_spheres =
+      false;  ///< some spheres are of glass or smooth metal: what lights there are is sampled over them
 
   bool operator==(const SceneNeeds&) const = default;
 };
