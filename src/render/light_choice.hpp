@@ -45,7 +45,7 @@ struct Receiver {
 template <class F>
 void child_weights(const LightNode& node, const Receiver& to, float (&weights)[LightNode::kWidth]) {
   const Vec3<float>& p = to.position;
-  constexpr std::uint32_t kStep = std::is_same_v<F, float> ? 1 : sizeof(F) / sizeof(float);
+  constexpr std::uint32_t kStep = sizeof(F) / sizeof(UIntOf<float>);
   for (std::uint32_t i = 0; i < LightNode::kWidth; i += kStep) {
     const Vec3<F> way(load_lanes<F>(node.center[0] + i) - F(p.x), load_lanes<F>(node.center[1] + i) - F(p.y),
                       load_lanes<F>(node.center[2] + i) - F(p.z));
