@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "expect_error.hpp"
 #include "render/mirror_images.hpp"
-#include "test_scenes.hpp"
+#include "strategies.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
@@ -30,17 +30,7 @@ MirrorImages mirrors_of(const Scene& scene, const Lights& lights, int max_depth 
 }  // namespace
 
 TEST_CASE("a lamp that only mirrors show is found by sampling over them", "[statistical][mirrors]") {
-  const SeenScene scene = corridor();
-  RenderOptions options = render_options(16, 16, 64, 8);
-  options.sampler = SamplerKind::independent;
-  const Estimate with = mean_luminance(render(scene, options));
-  options.integrator.strategies.mirror = false;
-  options.samples_per_pixel = 1024;
-  const Estimate without = mean_luminance(render(scene, options));
-  INFO(with.mean << " ± " << with.error << ", without " << without.mean << " ± " << without.error);
-  CHECK(std::abs(difference_z(with, without)) < 4.0);
-  // A sixteenth of the samples, and still a quarter of the error.
-  CHECK(with.error < 0.25 * without.error);
+  check_strategy(corridor(), &Strategies::mirror, 8, 0.0625);
 }
 
 TEST_CASE("many lamps, which a tree chooses, are found over mirrors without a bias", "[statistical][mirrors]") {

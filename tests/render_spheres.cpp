@@ -7,7 +7,7 @@
 #include "catch.hpp"
 #include "render/sphere_chain_lanes.hpp"
 #include "render/sphere_chains.hpp"
-#include "test_scenes.hpp"
+#include "strategies.hpp"
 
 using namespace raylab;
 using namespace raylab::test;
@@ -117,17 +117,8 @@ void add_lamp(SeenScene& scene) {
   add_quad(scene, {-0.05f, 2.5f, -0.05f}, {0.1f, 0, 0}, {0, 0, 0.1f}, light(grey(300.0f)));
 }
 
-/// Whether the mean is that of scattering and light samples alone, and its error at most the share of theirs.
 void check_found(const SeenScene& scene, double share_of_error) {
-  RenderOptions options = render_options(16, 16, 64, 5);
-  options.sampler = SamplerKind::independent;
-  const Estimate with = mean_luminance(render(scene, options));
-  options.integrator.strategies.sphere = false;
-  options.samples_per_pixel = 1024;
-  const Estimate without = mean_luminance(render(scene, options));
-  INFO(with.mean << " ± " << with.error << ", without " << without.mean << " ± " << without.error);
-  CHECK(std::abs(difference_z(with, without)) < 4.0);
-  CHECK(with.error < share_of_error * 4.0 * without.error);  // of a sixteenth of the samples
+  check_strategy(scene, &Strategies::sphere, 5, share_of_error);
 }
 
 }  // namespace
@@ -258,6 +249,20 @@ TEST_CASE("ways through glass are sampled only where nothing else is inside", "[
   add_sphere(hollow, {0.6f, 0.5f, 0}, 0.4f, glass());
   // Those through the outer ball are left out, but not those of the inner one, which is all glass.
   CHECK(SphereChains(hollow).count() == 5);
+}
+
+TEST_CASE("of a heap of marbles the largest are sampled over", "[unit][spheres]") {
+  SeenScene scene = balls({});
+  for (int i = 0; i < 200; ++i) {
+    const float radius = 0.01f + 0.0001f * i;
+    add_sphere(scene, {-2.0f + 0.1f * (i % 40), radius, -1.0f + 0.4f * (i / 40)}, radius, glass());
+  }
+  const SphereChains chains(scene);
+  REQUIRE(chains.count() == SphereChainTable::kMost);
+  for (std::size_t row = 0; row < chains.count(); ++row) CHECK(chains.table().columns[3][row] > 0.025f);
+  ChainId chain = 0;
+  CHECK_FALSE(chains.follow(0, true, chain));
+  CHECK(chains.follow(199, true, chain));
 }
 
 TEST_CASE("light over a mirror ball is found", "[statistical][spheres]") {

@@ -11,9 +11,6 @@ namespace raylab {
 
 namespace {
 
-/// Rows of less than this share of the heaviest are left to scattering.
-constexpr float kLeastWeight = 0.01f;
-
 /// Of light from all sides.
 float mean_reflectance(float index) {
   constexpr int kSteps = 64;
@@ -57,9 +54,13 @@ bool is_clear(const Geometry& geometry, std::uint32_t id) {
     if (i != id && is_valid_sphere(other) && distance < other.radius + radius && other.radius < distance + radius)
       return false;
   }
+  const vec3 lower(center - radius), upper(center + radius);  // rounded by less than what is taken from the radius
   for (const TriangleMesh& mesh : geometry.meshes) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (is_valid_triangle(mesh, i) && distance2(center, triangle_corners(mesh, i)) < radius * radius) return false;
+      const Triangle t = triangle_corners(mesh, i);
+      const vec3 least = glm::min(glm::min(t.p0, t.p1), t.p2), most = glm::max(glm::max(t.p0, t.p1), t.p2);
+      if (glm::any(glm::greaterThan(least, upper)) || glm::any(glm::lessThan(most, lower))) continue;
+      if (is_valid_triangle(mesh, i) && distance2(center, t) < radius * radius) return false;
     }
   }
   return true;
@@ -73,6 +74,11 @@ SphereChains::SphereChains(const Scene& scene) {
     int crossings;
     float weight;
   };
+  std::vector<float> reflectance(scene.materials.size(), 0.0f);
+  for (std::size_t i = 0; i < reflectance.size(); ++i) {
+    const Material& m = scene.materials[i];
+    if (m.kind == Material::Kind::dielectric && m.index >= 1.0f) reflectance[i] = mean_reflectance(m.index);
+  }
   std::vector<Row> rows;
   for (std::uint32_t i = 0; i < scene.geometry.spheres.size(); ++i) {
     const Sphere& sphere = scene.geometry.spheres[i];
@@ -82,17 +88,25 @@ SphereChains::SphereChains(const Scene& scene) {
     if (m.kind == Material::Kind::metal && m.fuzz == 0.0f && m.color.kind == Texture::Kind::solid) {
       rows.push_back({i, 0, area * luminance(m.color.a)});
     } else if (m.kind == Material::Kind::dielectric && m.index >= 1.0f) {
-      const float reflected = mean_reflectance(m.index);
-      rows.push_back({i, 0, area * reflected});
-      if (!is_clear(scene.geometry, i)) continue;
+      const float reflected = reflectance[scene.sphere_materials[i]];
       const float through = area * (1.0f - reflected) * (1.0f - reflected);
+      rows.push_back({i, 0, area * reflected});
       rows.push_back({i, 1, through});
       if (m.index >= kTwiceIndex) rows.push_back({i, 2, through * reflected});
     }
   }
   std::ranges::stable_sort(rows, std::ranges::greater{}, &Row::weight);
+  // As many spheres are looked into as there is room for rows, so that a heap of marbles costs no more.
+  std::vector<std::pair<std::uint32_t, bool>> looked_into;
+  const auto may_cross = [&](std::uint32_t sphere) {
+    const auto known = std::ranges::find(looked_into, sphere, &std::pair<std::uint32_t, bool>::first);
+    if (known != looked_into.end()) return known->second;
+    if (looked_into.size() == SphereChainTable::kMost) return false;
+    return looked_into.emplace_back(sphere, is_clear(scene.geometry, sphere)).second;
+  };
   for (const Row& row : rows) {
-    if (table_.count == SphereChainTable::kMost || !(row.weight > kLeastWeight * rows[0].weight)) break;
+    if (table_.count == SphereChainTable::kMost || !(row.weight > 0.0f)) break;
+    if (row.crossings > 0 && !may_cross(row.sphere)) continue;
     const Sphere& sphere = scene.geometry.spheres[row.sphere];
     const Material& m = scene.materials[scene.sphere_materials[row.sphere]];
     const bool metal = m.kind == Material::Kind::metal;
@@ -124,12 +138,14 @@ bool SphereChains::follow(std::uint32_t sphere, bool reflected, ChainId& chain) 
   if (!is_over_sphere(chain)) {
     const auto first = std::ranges::find(spheres_, sphere);
     if (chain != 0 || first == spheres_.end()) return false;
-    chain = reflected ? id(sphere, 0, false) : id(sphere, 1, true);
+    const auto first_row = static_cast<std::uint32_t>(first - spheres_.begin());
+    chain = reflected ? id(first_row, 0, false) : id(first_row, 1, true);
     return true;
   }
   if (sphere_of(chain) != sphere || !is_inside(chain)) return false;
   if (reflected && crossings_of(chain) == 2) return false;
-  chain = reflected ? id(sphere, crossings_of(chain) + 1, true) : id(sphere, crossings_of(chain), false);
+  chain = reflected ? id(first_row_of(chain), crossings_of(chain) + 1, true)
+                    : id(first_row_of(chain), crossings_of(chain), false);
   return true;
 }
 

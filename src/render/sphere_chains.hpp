@@ -13,7 +13,7 @@ namespace raylab {
 /// Turns of a path over specular surfaces since the last vertex from which lights were sampled: 0 is none, values below
 /// kSphereChains name a chain of MirrorImages, those from there on one of SphereChains.
 using ChainId = std::uint32_t;
-inline constexpr ChainId kSphereChains = 0x40000000u;
+inline constexpr ChainId kSphereChains = 0x10000u;
 inline bool is_over_sphere(ChainId chain) { return chain >= kSphereChains; }
 
 /// What sampling over spheres reads, for lookup by lanes: a row for each sphere and way. There is one column for each
@@ -53,13 +53,14 @@ class SphereChains {
 
  private:
   // A chain's id is kSphereChains and, in bits from the lowest: whether it is inside, how often it has crossed or,
-  // inside, begun to cross, and the sphere.
-  static ChainId id(std::uint32_t sphere, std::uint32_t crossings, bool inside) {
-    return kSphereChains | sphere << 3 | crossings << 1 | (inside ? 1u : 0u);
+  // inside, begun to cross, and the first row of the sphere.
+  static ChainId id(std::uint32_t first_row, std::uint32_t crossings, bool inside) {
+    return kSphereChains | first_row << 3 | crossings << 1 | (inside ? 1u : 0u);
   }
   static bool is_inside(ChainId chain) { return (chain & 1u) != 0; }
   static std::uint32_t crossings_of(ChainId chain) { return chain >> 1 & 3u; }
-  static std::uint32_t sphere_of(ChainId chain) { return (chain & ~kSphereChains) >> 3; }
+  static std::uint32_t first_row_of(ChainId chain) { return (chain & ~kSphereChains) >> 3; }
+  std::uint32_t sphere_of(ChainId chain) const { return spheres_[first_row_of(chain)]; }
   std::optional<std::uint32_t> row_of(std::uint32_t sphere, std::uint32_t crossings) const;
 
   SphereChainTable table_{};
