@@ -36,13 +36,13 @@ F shadow_end(const Vec3<F>& way, const Vec3<F>& ng, const F& offset, const F& in
   return max(F(1.0f) - (offset + rounding) * inv_facing, F(0.0f));
 }
 
-/// A point of an emitting triangle as seen from elsewhere.
+/// A point of an emitting triangle or sphere as seen from elsewhere.
 template <class F>
-struct TriangleLightSample {
+struct EmitterSample {
   Vec3<F> position, wi;  ///< as in LightSample
   Vec3<F> ng;            ///< as in LightSample
   F end;                 ///< as in LightSample
-  F b1, b2;              ///< barycentric coordinates of the position
+  F b1, b2;              ///< barycentric coordinates of the position; 0 on spheres
   F pdf;                 ///< as in LightSample
 };
 
@@ -58,8 +58,7 @@ Vec2<F> square_to_triangle(const Vec2<F>& u) {
 
 /// s.position of a triangle as seen from p.
 template <class F>
-void see_triangle_point(const Vec3<F>& ng, const F& offset, const F& pdf_area, const Vec3<F>& p,
-                        TriangleLightSample<F>& s) {
+void see_triangle_point(const Vec3<F>& ng, const F& offset, const F& pdf_area, const Vec3<F>& p, EmitterSample<F>& s) {
   const Vec3<F> to_light = s.position - p;
   const F distance2 = dot(to_light, to_light);
   const F facing = dot(to_light, ng);
@@ -73,8 +72,8 @@ void see_triangle_point(const Vec3<F>& ng, const F& offset, const F& pdf_area, c
 }
 
 template <class F>
-TriangleLightSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const Vec3<F>& p, const Vec2<F>& u) {
-  TriangleLightSample<F> s;
+EmitterSample<F> sample_triangle(const EmittingTriangle<F>& emitter, const Vec3<F>& p, const Vec2<F>& u) {
+  EmitterSample<F> s;
   const Vec2<F> b = square_to_triangle(u);
   s.b1 = b.x;
   s.b2 = b.y;
@@ -95,9 +94,9 @@ F triangle_pdf_area(const F& probability, const Vec3<F>& p0, const Vec3<F>& p1, 
 
 /// A point of a triangle, given by its corners, of which nothing is kept.
 template <class F>
-TriangleLightSample<F> sample_triangle(const MaskOf<F>& lanes, const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2,
-                                       const F& probability, const Vec3<F>& p, const Vec2<F>& u) {
-  TriangleLightSample<F> s;
+EmitterSample<F> sample_triangle(const MaskOf<F>& lanes, const Vec3<F>& p0, const Vec3<F>& p1, const Vec3<F>& p2,
+                                 const F& probability, const Vec3<F>& p, const Vec2<F>& u) {
+  EmitterSample<F> s;
   const Vec2<F> b = square_to_triangle(u);
   s.b1 = b.x;
   s.b2 = b.y;
@@ -128,8 +127,8 @@ struct SeenSphere {
 /// A point of a sphere that is seen from outside, uniform in the cone of directions that meet the sphere; the angle
 /// alpha at its centre gives the point (pbrt-v4 §6.2.4). `probability` is that with which the sphere is chosen.
 template <class F>
-TriangleLightSample<F> sample_sphere_outside(const Vec3<F>& center, const F& radius, const F& probability,
-                                             const Vec3<F>& p, const Vec2<F>& u, PointLanes<F>& point) {
+EmitterSample<F> sample_sphere_outside(const Vec3<F>& center, const F& radius, const F& probability, const Vec3<F>& p,
+                                       const Vec2<F>& u) {
   using D = DoubleOf<F>;
   const SeenSphere<F> seen(center, radius, p);
   const D d = sqrt(seen.d2);
@@ -144,8 +143,9 @@ TriangleLightSample<F> sample_sphere_outside(const Vec3<F>& center, const F& rad
   const BasicFrame<F> frame(to_float(-seen.to_center / d));
   const Vec3<F> n = frame.to_world({sin_alpha * cosine, sin_alpha * sine, to_float(cos_alpha)});
   const Vec3<D> direction(n);  // of unit length only as far as floats can be
+  PointLanes<F> point;
   place_on_sphere<F>(Vec3<D>(center), radius, D(radius) / sqrt(dot(direction, direction)) * direction, point);
-  TriangleLightSample<F> s;
+  EmitterSample<F> s;
   s.position = point.position;
   s.b1 = s.b2 = F(0.0f);
   s.ng = point.ng;

@@ -43,6 +43,17 @@ void put(const LightSample& light, int i, LightLanes& out) {
   if (light.infinite) out.infinite |= 1u << i;
 }
 
+/// A point as it was sampled; its radiance is still to be found.
+LightSample seen_point(const EmitterSample<float>& s) {
+  LightSample light;
+  light.wi = s.wi;
+  light.position = s.position;
+  light.ng = s.ng;
+  light.end = s.end;
+  light.pdf = s.pdf;
+  return light;
+}
+
 /// The least probability of an emitter in LightTable: numbers of 24 bits are good to 2^-14 of it.
 constexpr double kLeastOfTable = 0x1p-10;
 
@@ -221,14 +232,9 @@ LightSample Lights::sample_tree_emitter(std::uint32_t chosen, float probability,
   if (scene_.geometry.is_sphere(geometry)) return sample_sphere(primitive, probability, p, u);
   const TriangleMesh& mesh = scene_.geometry.meshes[geometry];
   const Triangle t = triangle_corners(mesh, primitive);
-  const TriangleLightSample<float> s = sample_triangle<float>(true, t.p0, t.p1, t.p2, probability, p, {u.x, u.y});
-  LightSample light;
-  if (!(s.pdf > 0.0f)) return light;
-  light.wi = s.wi;
-  light.position = s.position;
-  light.ng = s.ng;
-  light.end = s.end;
-  light.pdf = s.pdf;
+  const EmitterSample<float> s = sample_triangle<float>(true, t.p0, t.p1, t.p2, probability, p, {u.x, u.y});
+  LightSample light = seen_point(s);
+  if (!(light.pdf > 0.0f)) return light;
   const Texture& texture = scene_.materials[scene_.mesh_materials[geometry].of(primitive)].color;
   const vec2 uv = texture.kind == Texture::Kind::image ? interpolated_texcoords(mesh, primitive, s.b1, s.b2) : vec2(0);
   light.radiance = texture_color(texture, scene_.textures, s.position, uv);
@@ -286,15 +292,10 @@ void Lights::sample(std::uint32_t lanes, const std::uint32_t* select_high, const
 }
 
 LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, const vec2& u) const {
-  const TriangleLightSample<float> s = sample_triangle<float>(
+  const EmitterSample<float> s = sample_triangle<float>(
       {emitter.p0, emitter.e1, emitter.e2, emitter.ng, emitter.offset, emitter.pdf_area}, p, {u.x, u.y});
-  LightSample light;
-  if (!(s.pdf > 0.0f)) return light;
-  light.wi = s.wi;
-  light.position = s.position;
-  light.ng = s.ng;
-  light.end = s.end;
-  light.pdf = s.pdf;
+  LightSample light = seen_point(s);
+  if (!(light.pdf > 0.0f)) return light;
   light.radiance = emitter.radiance;
   if (emitter.varies) {
     const vec2 uv = interpolated_texcoords(scene_.geometry.meshes[emitter.mesh], emitter.triangle, s.b1, s.b2);
@@ -306,32 +307,25 @@ LightSample Lights::sample_mesh(const TriangleEmitter& emitter, const vec3& p, c
 LightSample Lights::sample_sphere(std::uint32_t sphere_id, float probability, const vec3& p, const vec2& u) const {
   const Sphere& sphere = scene_.geometry.spheres[sphere_id];
   LightSample light;
-  SurfacePoint point;
   if (SeenSphere<float>(sphere.center, sphere.radius, p).from_outside()) {
-    PointLanes<float> on_sphere;
-    const TriangleLightSample<float> s =
-        sample_sphere_outside<float>(sphere.center, sphere.radius, probability, p, {u.x, u.y}, on_sphere);
-    if (!(s.pdf > 0.0f)) return light;
-    light.wi = s.wi;
-    light.pdf = s.pdf;
-    light.end = s.end;
-    point = {on_sphere.position, on_sphere.offset, on_sphere.ng, on_sphere.ng, vec2(0.0f)};
+    light = seen_point(sample_sphere_outside<float>(sphere.center, sphere.radius, probability, p, {u.x, u.y}));
+    if (!(light.pdf > 0.0f)) return light;
   } else {
     // From inside every point is seen: uniform over the surface.
-    point = point_on_sphere(sphere, uniform_sphere<float>(u.x, u.y));
+    const SurfacePoint point = point_on_sphere(sphere, uniform_sphere<float>(u.x, u.y));
     const vec3 way = point.position - p;
     light.wi = glm::normalize(way);
+    light.position = point.position;
+    light.ng = point.ng;
     const float pdf = probability * sphere_direction_pdf(sphere_id, p, point.position, light.wi);
     if (!(pdf > 0.0f && pdf < kInfinity)) return light;
     light.pdf = pdf;
     light.end = shadow_end<float>(way, point.ng, point.offset, 1.0f / std::abs(glm::dot(way, point.ng)));
   }
-  light.position = point.position;
-  light.ng = point.ng;
   const std::uint32_t material = scene_.sphere_materials[sphere_id];
   const Texture& texture = scene_.materials[material].color;
-  const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(point.ng) : vec2(0.0f);
-  light.radiance = texture_color(texture, scene_.textures, point.position, uv, AddressMode::clamp);
+  const vec2 uv = texture.kind == Texture::Kind::image ? sphere_texcoords(light.ng) : vec2(0.0f);
+  light.radiance = texture_color(texture, scene_.textures, light.position, uv, AddressMode::clamp);
   return light;
 }
 

@@ -3,7 +3,7 @@
 // What happens at a vertex stands in path_vertex.hpp; here paths and their data are moved in and out of vectors.
 #include <cstddef>
 
-#include "light_choice.hpp"
+#include "wavefront_lights.hpp"
 #include "wavefront_queues.hpp"
 
 namespace raylab {
@@ -12,7 +12,11 @@ namespace {
 class Wavefront {
  public:
   Wavefront(const ShadingScene& scene, const PathBatch& paths, BatchRadiance& radiance)
-      : scene_(scene), sampler_kind_(paths.sampler), offset_(scene.settings.ray_offset), radiance_(radiance) {
+      : scene_(scene),
+        lights_(scene),
+        sampler_kind_(paths.sampler),
+        offset_(scene.settings.ray_offset),
+        radiance_(radiance) {
     start(paths);
   }
 
@@ -44,12 +48,6 @@ class Wavefront {
             s.t_max};
   }
 
-  /// The numbers of the bits that are set.
-  template <class Visit>
-  static void for_each(std::uint32_t bits, const Visit& visit) {
-    for (; bits != 0; bits &= bits - 1) visit(__builtin_ctz(bits));
-  }
-
   BasicSampler<Wide> sampler_of(std::size_t first) const {
     return {sampler_kind_, WideUInt::load(paths_.seed_low + first), WideUInt::load(paths_.seed_high + first),
             WideUInt::load(paths_.sample + first)};
@@ -75,11 +73,10 @@ class Wavefront {
   void add_radiance(WideMask lanes, std::size_t first, const WideVec3& value) {
     VectorLanes v;
     store3(value, v);
-    for (std::uint32_t bits = lanes.bits(); bits != 0; bits &= bits - 1) {
-      const int i = __builtin_ctz(bits);
+    for_each(lanes.bits(), [&](int i) {
       const std::uint32_t slot = paths_.slot[first + static_cast<std::size_t>(i)];
       for (std::size_t c = 0; c < 3; ++c) radiance_[c].data()[slot] += v[c][i];
-    }
+    });
   }
 
   /// One segment of the paths [first, first + kLanes), stage by stage.
@@ -216,7 +213,7 @@ class Wavefront {
       Wide probability(1.0f);
       if (scene_.light_tree.nodes != nullptr) {
         probability =
-            light_probabilities(lanes & (path.scatter_pdf > Wide(0.0f)), hits, from, load3(paths_.scatter_ng, first));
+            lights_.probabilities(lanes & (path.scatter_pdf > Wide(0.0f)), hits, from, load3(paths_.scatter_ng, first));
         const auto& c = surfaces_.corner;
         pdf_area =
             triangle_pdf_area(probability, load3(c[0], c[1], c[2]), load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]));
@@ -254,24 +251,8 @@ class Wavefront {
   }
   bool are_over_chains(WideMask lanes, std::size_t first) const {
     ChainId chains = 0;
-    for (std::uint32_t left = lanes.bits(); left != 0; left &= left - 1) {
-      chains |= paths_.chain[first + static_cast<std::size_t>(__builtin_ctz(left))];
-    }
+    for_each(lanes.bits(), [&](int i) { chains |= paths_.chain[first + static_cast<std::size_t>(i)]; });
     return chains != 0;
-  }
-  static vec3 lane(const VectorLanes& a, int i) { return {a[0][i], a[1][i], a[2][i]}; }
-  /// With which a tree chooses the emitters hit, for receivers at p.
-  [[gnu::noinline]] Wide light_probabilities(WideMask lanes, const HitLanes& hits, const WideVec3& p,
-                                             const WideVec3& ng) const {
-    alignas(64) float probability[kMostLanes] = {};
-    VectorLanes from, normal;
-    store3(p, from);
-    store3(ng, normal);
-    for_each(lanes.bits(), [&](int i) {
-      probability[i] = light_probability<Wide>(scene_.light_tree, receiver(from, normal, i),
-                                               scene_.lights.tree().place(hits.geometry[i], hits.primitive[i]));
-    });
-    return Wide::load(probability);
   }
 
   /// Shadow rays towards one point of one light for each lane.
@@ -280,7 +261,7 @@ class Wavefront {
                                        const PathState<Wide>& path) {
     const ShadowRay<Wide> ray = shadow_ray(
         vertex, path,
-        sample_lights(lanes, sampler, draw + kLightPoint, draw + kLightChoice, vertex.point.position, vertex.ng),
+        lights_.sample(lanes, sampler, draw + kLightPoint, draw + kLightChoice, vertex.point.position, vertex.ng),
         offset_);
     const WideMask usable = lanes & ray.usable;
     if (!any(usable)) return;
@@ -327,8 +308,7 @@ class Wavefront {
     store3(ray.direction, direction);
     store3(ray.radiance, radiance);
     ray.t_min.store(t_min);
-    for (std::uint32_t left = usable.bits(); left != 0; left &= left - 1) {
-      const int i = __builtin_ctz(left);
+    for_each(usable.bits(), [&](int i) {
       mirror_.put(mirrored_++,
                   {{lane(origin, i), lane(direction, i), t_min[i]},
                    lights[i].light,
@@ -337,7 +317,7 @@ class Wavefront {
                    lights[i].chain,
                    0},
                   paths_.slot[first + static_cast<std::size_t>(i)]);
-    }
+    });
   }
 
   /// The same over spheres.
@@ -354,7 +334,7 @@ class Wavefront {
     lanes = lanes & (chain.crossings <= Wide(static_cast<float>(scene_.settings.max_depth - segment - 2)));
     if (!any(lanes)) return;
     const SampledLight<Wide> light =
-        sample_lights(lanes, sampler, draw + kSpherePoint, draw + kSphereChoice, chain.center, WideVec3(Wide(0.0f)));
+        lights_.sample(lanes, sampler, draw + kSpherePoint, draw + kSphereChoice, chain.center, WideVec3(Wide(0.0f)));
     const LightOverSphere<Wide> over = light_over_sphere<Wide>(chain, chosen, p, light);
     const ShadowRay<Wide> to_sphere = shadow_ray<Wide>(
         vertex, path, {over.wi, light.position, light.radiance, Wide(kInfinity), over.pdf, WideMask::of(~0u)}, offset_);
@@ -426,111 +406,6 @@ class Wavefront {
     shadow_.slot[shadows_++] = slot;
   }
 
-  /// Of the dimensions `point` and `choice`, see Draw.
-  SampledLight<Wide> sample_lights(WideMask lanes, const BasicSampler<Wide>& sampler, std::uint32_t point,
-                                   std::uint32_t choice, const WideVec3& position, const WideVec3& ng) {
-    const auto bits = sampler.bits2(point);
-    const Wide v = bits_to_unit(bits.second);
-    const LightTable& few = scene_.light_table;
-    if (few.count != 0) {
-      const Wide number = bits_to_unit(bits.first);
-      WideUInt chosen(0u);
-      for (int i = 1; i < few.count; ++i) chosen += select(Wide(few.first[i]) <= number, WideUInt(1u), WideUInt(0u));
-      const Wide u = left_of_choice(number, look_up16(few.first, chosen), look_up16(few.scale, chosen));
-      return sample_triangles([&](int k) { return look_up16(few.columns[k], chosen); }, position, {u, v});
-    }
-    alignas(64) std::uint32_t select_high[kMostLanes], select_low[kMostLanes];
-    alignas(64) float v_lanes[kMostLanes];
-    VectorLanes p;
-    bits.first.store(select_high);
-    sampler.bits2(choice).first.store(select_low);
-    v.store(v_lanes);
-    store3(position, p);
-    if (scene_.light_tree.nodes != nullptr) {
-      return sample_tree(lanes, select_high, select_low, v, v_lanes, position, p, ng);
-    }
-    scene_.lights.sample(lanes.bits(), select_high, select_low, v_lanes, {p[0], p[1], p[2]}, light_);
-    const WideMask triangles = WideMask::of(light_.triangles);
-    SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
-                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite),
-                             load3(light_.ng)};
-    if (any(triangles)) {
-      constexpr auto row = static_cast<std::uint32_t>(sizeof(TriangleEmitter) / sizeof(float));
-      const WideUInt chosen = WideUInt::load(light_.emitter) * row;
-      const SampledLight<Wide> s = sample_triangles(
-          [&](int k) { return gather(scene_.emitters + k, chosen, triangles); }, position, {Wide::load(light_.u), v});
-      light.wi = select<Wide>(triangles, s.wi, light.wi);
-      light.position = select<Wide>(triangles, s.position, light.position);
-      light.end = select(triangles, s.end, light.end);
-      light.radiance = select<Wide>(triangles, s.radiance, light.radiance);
-      light.pdf = select(triangles, s.pdf, light.pdf);
-      light.ng = select<Wide>(triangles, s.ng, light.ng);
-    }
-    return light;
-  }
-
-  static Receiver receiver(const VectorLanes& p, const VectorLanes& ng, int i) {
-    return {{p[0][i], p[1][i], p[2][i]}, {ng[0][i], ng[1][i], ng[2][i]}};
-  }
-
-  /// From emitters that a tree chooses, lane by lane.
-  SampledLight<Wide> sample_tree(WideMask lanes, const std::uint32_t* select_high, const std::uint32_t* select_low,
-                                 const Wide& v, const float* v_lanes, const WideVec3& position, const VectorLanes& p,
-                                 const WideVec3& ng) {
-    VectorLanes normal;
-    store3(ng, normal);
-    LightChoice choice[kMostLanes];
-    std::uint32_t choosing = 0;
-    for_each(lanes.bits(), [&](int i) {
-      const std::uint64_t number = static_cast<std::uint64_t>(select_high[i]) << 32 | select_low[i];
-      if (begin_choice(scene_.light_tree, number, choice[i])) choosing |= 1u << i;
-    });
-    while (choosing != 0) {
-      for_each(choosing, [&](int i) {
-        if (!choose_child<Wide>(scene_.light_tree, receiver(p, normal, i), choice[i])) choosing &= ~(1u << i);
-      });
-    }
-    for_each(lanes.bits(), [&](int i) {
-      light_.emitter[i] = choice[i].at;
-      light_.u[i] = choice[i].u();
-      light_.probability[i] = static_cast<float>(choice[i].probability);
-    });
-    scene_.lights.fetch(lanes.bits(), v_lanes, {p[0], p[1], p[2]}, light_);
-    SampledLight<Wide> light{load3(light_.wi),       load3(light_.position), load3(light_.radiance),
-                             Wide::load(light_.end), Wide::load(light_.pdf), WideMask::of(light_.infinite),
-                             load3(light_.ng)};
-    const auto take = [&](WideMask which, const TriangleLightSample<Wide>& s) {
-      light.wi = select<Wide>(which, s.wi, light.wi);
-      light.position = select<Wide>(which, s.position, light.position);
-      light.end = select(which, s.end, light.end);
-      light.pdf = select(which, s.pdf, light.pdf);
-      light.ng = select<Wide>(which, s.ng, light.ng);
-    };
-    const auto& c = light_.corner;
-    const WideVec3 first = load3(c[0], c[1], c[2]);
-    const Wide probability = Wide::load(light_.probability);
-    const WideVec2 u{Wide::load(light_.u), v};
-    const WideMask triangles = WideMask::of(light_.triangles), spheres = WideMask::of(light_.spheres);
-    if (any(triangles)) {
-      take(triangles, sample_triangle<Wide>(triangles, first, load3(c[3], c[4], c[5]), load3(c[6], c[7], c[8]),
-                                            probability, position, u));
-    }
-    if (any(spheres)) {
-      PointLanes<Wide> point;
-      take(spheres, sample_sphere_outside<Wide>(first, Wide::load(c[3]), probability, position, u, point));
-    }
-    return light;
-  }
-
-  /// From the numbers of TriangleEmitter as far as the radiance, given by column.
-  template <class Column>
-  static SampledLight<Wide> sample_triangles(const Column& column, const WideVec3& position, const WideVec2& u) {
-    const auto three = [&](int k) { return WideVec3(column(k), column(k + 1), column(k + 2)); };
-    const EmittingTriangle<Wide> emitter{three(0), three(3), three(6), three(9), column(12), column(13)};
-    const TriangleLightSample<Wide> s = sample_triangle<Wide>(emitter, position, u);
-    return {s.wi, s.position, three(14), s.end, s.pdf, WideMask::of(0), s.ng};
-  }
-
   /// Scatters, and keeps the paths that go on.
   void go_on(WideMask alive, std::size_t first, int segment, const BasicSampler<Wide>& sampler, const WideVec2& u,
              const PathVertex<Wide>& vertex, PathState<Wide>& path) {
@@ -597,6 +472,7 @@ class Wavefront {
   }
 
   const ShadingScene& scene_;
+  LightSampler lights_;
   SamplerKind sampler_kind_;
   RayOffset offset_;
   BatchRadiance& radiance_;
@@ -608,7 +484,6 @@ class Wavefront {
   alignas(64) Floats hit_t_, hit_u_, hit_v_;
   UInts hit_geometry_, hit_primitive_;
   SurfaceLanes surfaces_{};
-  LightLanes light_{};
 };
 
 void trace(const ShadingScene& scene, const PathBatch& paths, BatchRadiance& radiance, RayCounts& counts) {
