@@ -51,6 +51,12 @@ TEST_CASE("many lamps, which a tree chooses, are found over mirrors without a bi
   CHECK(std::hypot(with.error, book.error) < 0.015 * book.mean);
 }
 
+TEST_CASE("a picture of a sky is left to scattering where mirrors show it", "[statistical][mirrors]") {
+  SeenScene scene = corridor();
+  set_sky(scene, 8, 4, [](int x, int y) { return y < 2 ? Rgb(20.0f + 10.0f * x) : Rgb(0.5f); });
+  check_strategy(scene, &Strategies::mirror, 8, 1.2);
+}
+
 TEST_CASE("mirrors are told by their planes, and chains of them are chosen with their shares", "[unit][mirrors]") {
   const SeenScene scene = corridor();
   const Lights lights(scene, scene_needs(scene));

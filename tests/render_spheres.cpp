@@ -213,6 +213,47 @@ TEST_CASE("rows of spheres are chosen with their probabilities", "[unit][spheres
   CHECK(table.columns[0][inside.row] == -0.6f);
 }
 
+TEST_CASE("paths that meet a light over a sphere have the density of its samples", "[unit][spheres]") {
+  SeenScene scene = balls({kMirror, glass()});
+  add_quad(scene, {0.1f, 1.1f, 0.2f}, {0.3f, 0.1f, 0}, {0, 0.3f, 0.1f}, light(grey(1.0f)));  // near, and turned away
+  const Lights lights(scene, scene_needs(scene));
+  const SphereChains chains(scene);
+  const auto column = [&](int k, int row) { return chains.table().columns[k][row]; };
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::array<int, 4> compared{};
+  for (int i = 0; i < 10000; ++i) {
+    const vec3 p(3.0f * unit(random) - 1.0f, 3.0f * unit(random) - 1.5f, 3.0f * unit(random) - 1.5f);
+    const ChosenChain<float> chosen = choose_chain<float>(4, column, Vec3<float>(p), unit(random));
+    const auto row = static_cast<int>(chosen.row);
+    const SphereChain<float> over = sphere_chain<float>([&](int k) { return column(k, row); });
+    const LightSample from_center = lights.sample(over.center, random(), unit(random));
+    const SampledLight<float> point{from_center.wi,  from_center.position, from_center.radiance, from_center.end,
+                                    from_center.pdf, from_center.infinite, from_center.ng};
+    const LightOverSphere<float> sample = light_over_sphere<float>(over, chosen, Vec3<float>(p), point);
+    if (!(sample.pdf > 0.0f)) continue;
+    const vec3 leaves = vec3(over.center) + over.radius * vec3(sample.leaves);
+    const vec3 way = from_center.position - leaves;
+    ChainId chain = 0;
+    const std::uint32_t sphere = column(0, row) < 0.0f ? 0 : 1;
+    for (float k = 0.0f; k <= over.crossings; ++k) {
+      const bool through = over.crossings > 0.0f && (k == 0.0f || k == over.crossings);
+      REQUIRE(chains.follow(sphere, !through, chain));
+    }
+    const SphereChains::Share share =
+        chains.share(chain, p, leaves, glm::normalize(way), from_center.position, from_center.ng, false);
+    CHECK(share.center == vec3(over.center));
+    INFO(i << ": " << over.crossings << " crossings");
+    // Where the way leaves at a grazing angle, or near a caustic, the point it leaves at is known to few digits.
+    const double density = static_cast<double>(from_center.pdf * share.factor);
+    if (glm::dot(glm::normalize(way), vec3(sample.leaves)) < 0.1f) continue;
+    CHECK(density == Approx(static_cast<double>(sample.pdf)).epsilon(0.02));
+    ++compared[static_cast<std::size_t>(over.crossings)];
+  }
+  INFO(compared[0] << ", " << compared[1] << ", " << compared[2]);
+  CHECK((compared[0] > 500 && compared[1] > 200 && compared[2] > 50));
+}
+
 TEST_CASE("a path follows a way over a sphere turn by turn", "[unit][spheres]") {
   const SeenScene scene = balls({kMirror, glass()});
   const SphereChains chains(scene);
