@@ -148,6 +148,21 @@ TEST_CASE("what killed processes left is removed, and what is in use is not", "[
   CHECK(fs::exists(folder / "a.txt"));
 }
 
+TEST_CASE("a temporary file takes no name that is in use", "[unit][core]") {
+  const TempFolder folder;
+  constexpr int kNames = 1000;  // more than this process has made so far
+  for (int i = 0; i < kNames; ++i) {
+    write_text(folder / (".raylab-" + std::to_string(getpid()) + "-" + std::to_string(i) + ".tmp"), "another's");
+  }
+  AtomicFile output(folder / "a.txt");
+  output.stream() << "new";
+  output.commit();
+  CHECK(folder.entries() == kNames + 1);
+  int kept = 0;
+  for (const auto& entry : fs::directory_iterator(folder / ".")) kept += read_text(entry.path()) == "another's";
+  CHECK(kept == kNames);
+}
+
 TEST_CASE("an atomic file follows links", "[unit][core]") {
   const TempFolder folder;
   fs::create_directory(folder / "elsewhere");
