@@ -1,6 +1,7 @@
 // Lamps nearly touched, seen from their plane, from within, in numbers.
 #include <algorithm>
 
+#include "raylab/core/text.hpp"
 #include "stability_cases.hpp"
 
 namespace raylab {
@@ -90,7 +91,7 @@ StabilityTrial many_lamps(double number, std::size_t count, std::uint64_t seed) 
     }
     mesh.pad_positions();
     scene.geometry.meshes.push_back(std::move(mesh));
-    scene.mesh_names.push_back("lamps of power " + std::to_string(power));
+    scene.mesh_names.push_back(format("lamps of power %zu", power));
     scene.materials.push_back(light(grey(static_cast<float>(radiance))));
     scene.mesh_materials.push_back({static_cast<std::uint32_t>(scene.materials.size() - 1), {}});
   }
