@@ -34,6 +34,84 @@ TEST_CASE("every accelerator agrees with testing all primitives on 10,000 random
   }
 }
 
+namespace {
+
+/// `list` with a fault of its own.
+class Faulty : public Accelerator {
+ public:
+  explicit Faulty(const Geometry& geometry) : right_(make_accelerator("list", geometry)) {}
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override { return right_->intersect(ray); }
+  bool occluded(const Ray& ray) const noexcept override { return right_->occluded(ray); }
+  const BuildReport& build_report() const noexcept override { return right_->build_report(); }
+
+ private:
+  std::unique_ptr<Accelerator> right_;
+};
+struct IgnoresTMin : Faulty {
+  using Faulty::Faulty;
+  static Ray from_origin(Ray ray) { return {ray.origin, ray.direction, 0.0f, ray.t_max}; }
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override { return Faulty::intersect(from_origin(ray)); }
+  bool occluded(const Ray& ray) const noexcept override { return Faulty::occluded(from_origin(ray)); }
+};
+struct OccludedIgnoresTMax : Faulty {
+  using Faulty::Faulty;
+  bool occluded(const Ray& ray) const noexcept override {
+    return Faulty::occluded({ray.origin, ray.direction, ray.t_min, kInfinity});
+  }
+};
+/// Enters only boxes through which the ray has some way to go.
+class LosesFlatBoxes : public Faulty {
+ public:
+  explicit LosesFlatBoxes(const Geometry& geometry) : Faulty(geometry), geometry_(geometry) {}
+  std::optional<Hit> intersect(const Ray& ray) const noexcept override {
+    const auto hit = Faulty::intersect(ray);
+    if (!hit) return hit;
+    const vec3 size = primitive_bounds(geometry_, {hit->geometry, hit->primitive}).diagonal();
+    return size.x > 0 && size.y > 0 && size.z > 0 ? hit : std::nullopt;
+  }
+  bool occluded(const Ray& ray) const noexcept override { return intersect(ray).has_value(); }
+
+ private:
+  const Geometry& geometry_;
+};
+struct ForgetsLastOfBatch : Faulty {
+  using Faulty::Faulty;
+  void intersect_batch(const RayBatch& rays, const HitBatch& hits) const noexcept override {
+    Faulty::intersect_batch(rays, hits);
+    if (rays.count % 8 == 7) hits.set(rays.count - 1, std::nullopt);
+  }
+};
+struct OccludesNothingInBatches : Faulty {
+  using Faulty::Faulty;
+  void occluded_batch(const RayBatch& rays, std::uint8_t* occluded) const noexcept override {
+    std::fill_n(occluded, rays.count, std::uint8_t{0});
+  }
+};
+
+template <class Kind>
+std::string verdict_on() {
+  const AcceleratorEntry entry{"faulty", "", [](const Geometry& geometry, const AcceleratorOptions&) {
+                                 return std::unique_ptr<Accelerator>(std::make_unique<Kind>(geometry));
+                               }};
+  std::string failed;
+  const bool passes = passes_agreement(entry, {}, 1, [&](const AgreementCase& c, const AgreementReport& report) {
+    if (!report.agrees()) failed += (failed.empty() ? "" : ", ") + c.name;
+  });
+  CHECK(passes == failed.empty());
+  return failed;
+}
+
+}  // namespace
+
+TEST_CASE("the agreement test finds an accelerator with one fault", "[agreement]") {
+  CHECK(verdict_on<Faulty>().empty());
+  CHECK_FALSE(verdict_on<IgnoresTMin>().empty());
+  CHECK_FALSE(verdict_on<OccludedIgnoresTMax>().empty());
+  CHECK(verdict_on<LosesFlatBoxes>() == "flat boxes");
+  CHECK_FALSE(verdict_on<ForgetsLastOfBatch>().empty());
+  CHECK_FALSE(verdict_on<OccludesNothingInBatches>().empty());
+}
+
 TEST_CASE("every accelerator answers a batch as it answers its rays one by one", "[agreement]") {
   const FlushDenormals flush;
   const Geometry geometry = mixed();

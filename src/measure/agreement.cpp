@@ -6,6 +6,7 @@
 #include "geometry/primitive_test.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/geometry/exact.hpp"
+#include "raylab/measure/ray_sets.hpp"
 
 namespace raylab {
 
@@ -58,7 +59,7 @@ bool is_doubtful(const Ray& ray, const Geometry& geometry, const Hit& hit) {
   if (distance_to_outline(ray, geometry, id) <= tolerance(ray, geometry, id)) return true;
   const double slack = t_tolerance(ray, geometry, hit);
   const double t = hit.t;
-  return t - ray.t_min <= slack || ray.t_max - t <= slack;
+  return std::abs(t - ray.t_min) <= slack || std::abs(ray.t_max - t) <= slack;
 }
 
 /// Whether the primitive that a hit names is there, at the t it gives: of two that coincide either will do.
@@ -176,6 +177,28 @@ AgreementReport compare_hits(const Accelerator& tested, const Accelerator& judge
   }
   all.t_error_ulp = distribution(t_errors);
   return all;
+}
+
+Finding different_batches(const Accelerator& tested, std::span<const Ray> rays) {
+  constexpr std::size_t kMost = 1500;
+  const FlushDenormals flush;
+  const RayArrays arrays(rays);
+  Finding different;
+  std::size_t count = 0;
+  for (std::size_t first = 0; first < rays.size(); first += count) {
+    count = std::min({count + count / 2 + 1, rays.size() - first, kMost});  // 1, 2, 4, 7, 11, ...
+    HitArrays hits(count);
+    std::vector<std::uint8_t> occluded(count, 2);
+    tested.intersect_batch(arrays.batch(first, count), hits.batch());
+    tested.occluded_batch(arrays.batch(first, count), occluded.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const Ray& ray = rays[first + i];
+      const std::optional<Hit> single = tested.intersect(ray);
+      if (hits[i] == single && occluded[i] == (tested.occluded(ray) ? 1 : 0)) continue;
+      add(different, Disagreement{ray, hits[i], single});
+    }
+  }
+  return different;
 }
 
 Finding find_leaks(const Accelerator& tested, std::span<const Ray> rays_from_inside) {

@@ -31,11 +31,13 @@ std::string to_string(const Disagreement& d) {
 std::string to_string(const AgreementReport& r) {
   return format(
              "%zu rays, %zu hits: %zu false misses, %zu false hits, %zu wrong primitives, %zu times occluded "
-             "differs from intersect, %zu undecided; t error p50 %.3g, p99 %.3g, max %.3g ulp",
+             "differs from intersect, %zu different in a batch, %zu undecided; t error p50 %.3g, p99 %.3g, max %.3g "
+             "ulp",
              r.rays, r.hits, r.false_misses.count, r.false_hits.count, r.wrong_primitives.count, r.occlusion.count,
-             r.undecided, r.t_error_ulp.p50, r.t_error_ulp.p99, r.t_error_ulp.max) +
+             r.batches.count, r.undecided, r.t_error_ulp.p50, r.t_error_ulp.p99, r.t_error_ulp.max) +
          example("false miss", r.false_misses) + example("false hit", r.false_hits) +
-         example("wrong primitive", r.wrong_primitives) + example("difference of occluded", r.occlusion);
+         example("wrong primitive", r.wrong_primitives) + example("difference of occluded", r.occlusion) +
+         example("difference in a batch (tested: the batch, judge: the ray alone)", r.batches);
 }
 
 }  // namespace raylab

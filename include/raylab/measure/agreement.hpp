@@ -42,15 +42,22 @@ struct AgreementReport {
   /// Both hit, but the points are more than 8 ulp apart along the normal, or the primitive named is not there.
   Finding wrong_primitives;
   Finding occlusion;  ///< occluded() of the tested one is not what its own intersect() says
+  Finding batches;    ///< a batch has other answers than its rays one by one: see different_batches
   std::size_t undecided = 0;
   UlpError t_error_ulp;  ///< where both hit the same primitive, or at the same place
 
-  bool agrees() const { return false_misses.count + false_hits.count + wrong_primitives.count + occlusion.count == 0; }
+  bool agrees() const {
+    return false_misses.count + false_hits.count + wrong_primitives.count + occlusion.count + batches.count == 0;
+  }
 };
 
 /// Sends every ray through both. The geometry is the one both were built for.
 AgreementReport compare_hits(const Accelerator& tested, const Accelerator& judge, const Geometry& geometry,
                              std::span<const Ray> rays);
+
+/// Rays that intersect_batch or occluded_batch answers otherwise than intersect or occluded do, in batches of many
+/// sizes. It is for accelerators that promise equal ones (AcceleratorCapabilities::batch_equals_single).
+Finding different_batches(const Accelerator& tested, std::span<const Ray> rays);
 
 /// Rays that go through a closed surface: all of `rays_from_inside` must hit.
 Finding find_leaks(const Accelerator& tested, std::span<const Ray> rays_from_inside);
