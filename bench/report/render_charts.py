@@ -3,7 +3,8 @@
 import textwrap
 
 import style
-from markup import table
+from answers import ratio_text
+from markup import Cell, missing, number_cell, table
 from rays_charts import front
 from style import number
 
@@ -164,10 +165,14 @@ def reached(scenes):
             f"{beyond}. First: {'; '.join(parts)}.")
 
 
-def charts(results, _):
+def points_and_targets(results):
     rows = [row for row in results["rows"] if row["suite"] == "render"]
-    measured = by_size(row for row in rows if "question" not in row and "reference_relmse" in row)
-    targets = by_size(row for row in rows if row.get("question") == "time to error")
+    return (by_size(row for row in rows if "question" not in row and "reference_relmse" in row),
+            by_size(row for row in rows if row.get("question") == "time to error"))
+
+
+def charts(results, _):
+    measured, targets = points_and_targets(results)
     if measured:
         yield style.Chart(
             "convergence", cheapest(measured),
@@ -186,8 +191,46 @@ def charts(results, _):
             lambda: time_to_error(results, targets))
 
 
+def estimate_cell(row):
+    """What a picture's own samples say of its error, to be held against the relMSE."""
+    if row.get("renderer"):
+        return missing("another renderer's samples are not seen")
+    if "estimated_relmse" not in row:
+        return missing("it was not estimated")
+    interval = row.get("estimated_relmse_95")
+    below = [f"{number(interval['low'])}–{number(interval['high'])}"] if interval else []
+    return Cell(number(row["estimated_relmse"]), row["estimated_relmse"],
+                "; ".join(below + ([] if row["estimated_relmse_reliable"] else ["not reliable"])))
+
+
+def points_table(scenes):
+    return table(
+        ["scene", "way", "samples", "seconds", "relMSE", "as its samples estimate it", "mean ratio"],
+        [[scene, name_of(row), number_cell(row["spp"]),
+          Cell(number(row["seconds"]), row["seconds"], f"{number(row['seconds_min'])}–{number(row['seconds_max'])}"),
+          Cell(number(row["relmse"]), row["relmse"], f"± {number(row['relmse_error'])}" if "relmse_error" in row else ""),
+          estimate_cell(row), Cell(f"{row['mean_ratio']:.5f}", row["mean_ratio"], f"± {row['mean_ratio_error']:.5f}")]
+         for scene, rows in scenes.items() for row in sorted(rows, key=lambda row: row["spp"])])
+
+
+def targets_table(scenes):
+    return table(
+        ["scene", "way", "relMSE", "seconds", "times as long, in turns (95%)"],
+        [[scene, name_of(row), number(row["target_relmse"]),
+          Cell(("≈ " if row.get("extrapolated") else "") + number(row["seconds"]), row["seconds"]),
+          Cell(ratio_text(row), row["time_ratio"]["mean"]) if "time_ratio" in row else
+          missing("it is what the others are compared with, or was measured apart")]
+         for scene, rows in scenes.items() for row in rows])
+
+
 def tables(results):
-    """HTML of how other renderers were set, and what of the scene they have otherwise."""
+    """HTML of the points of the charts, of how other renderers were set, and of what they have otherwise."""
+    measured, targets = points_and_targets(results)
+    if measured:
+        yield ("<h2>Whole pictures</h2><p class=\"notes\">relMSE is that against the reference, whose own is in it; what "
+               "a picture's own samples say of it, with 95% interval, needs none.</p>") + points_table(measured)
+    if targets:
+        yield "<h2>Time to a given error</h2>" + targets_table(targets)
     peers = {(row["scene"], row["renderer"]): row for row in results["rows"] if row.get("settings")}
     if peers:
         yield "<h2>How other renderers were set</h2>" + table(
