@@ -3,7 +3,7 @@
 import textwrap
 
 import style
-from answers import ratio_text
+from answers import of_base, ratio_text
 from markup import Cell, missing, number_cell, table
 from rays_charts import front
 from style import number
@@ -101,16 +101,25 @@ def varied(scenes):
             + (f"; no row here varies {', '.join(same)}." if same else "."))
 
 
-def cheapest(scenes):
-    """The way with the least error × seconds at most samples, as a sentence; those within the noise are named too."""
+def prices(rows, goals):
+    """What equal error costs each way, and within what limits: the times to the target in times of one of them, with
+    which all took turns, or, where rows were measured apart, error × seconds at most samples."""
+    if goals and sum("time_ratio" in goal for goal in goals) == len(goals) - 1:
+        return {name_of(goal): [goal.get("time_ratio", {"mean": 1.0})["mean"], *of_base(goal)] for goal in goals}
+    price = {}
+    for name, points in by_way(rows).items():
+        last = max(points, key=lambda row: row["spp"])
+        error = last.get("relmse_error", 0.0)
+        price[name] = [last["relmse"] * last["seconds"], (last["relmse"] - 2 * error) * last["seconds_min"],
+                       (last["relmse"] + 2 * error) * last["seconds_max"]]
+    return price
+
+
+def cheapest(scenes, targets):
+    """The way with the least time for equal error, as a sentence; those within the noise are named too."""
     parts = []
     for scene, rows in scenes.items():
-        price = {}
-        for name, points in by_way(rows).items():
-            last = max(points, key=lambda row: row["spp"])
-            error = last.get("relmse_error", 0.0)
-            price[name] = [last["relmse"] * last["seconds"], (last["relmse"] - 2 * error) * last["seconds_min"],
-                           (last["relmse"] + 2 * error) * last["seconds_max"]]
+        price = prices(rows, targets.get(scene, []))
         best = min(price, key=lambda name: price[name][0])
         tied = [name for name in price if name != best and price[name][1] <= price[best][2]]
         worst = max(price, key=lambda name: price[name][0])
@@ -175,7 +184,7 @@ def charts(results, _):
     measured, targets = points_and_targets(results)
     if measured:
         yield style.Chart(
-            "convergence", cheapest(measured),
+            "convergence", cheapest(measured, targets),
             varied(measured) +
             " relMSE: mean of independent runs with its standard error; seconds: median and range. In the shaded zone"
             " the reference is the noisier of the two, so nothing can be measured there. A hollow mark on a dotted "
