@@ -45,3 +45,15 @@ TEST_CASE("Holm's correction multiplies the smallest p by the most, and keeps th
   CHECK(corrected[1] == Approx(0.09));
   CHECK(corrected[3] == Approx(0.5));
 }
+
+TEST_CASE("the ratio of pairs has the interval of Student's t of its logarithms, and what pairs share drops out",
+          "[unit][measure]") {
+  // scipy: stats.ttest_1samp(numpy.log([2, 4, 2]), 0).confidence_interval()
+  const RatioEstimate ratio = ratio_of_pairs({2.0, 40.0, 600.0}, {1.0, 10.0, 300.0}, 0.95);
+  CHECK(ratio.mean == Approx(std::cbrt(16.0)));
+  CHECK(ratio.interval.low == Approx(0.9324613).epsilon(1e-6));
+  CHECK(ratio.interval.high == Approx(6.80950963).epsilon(1e-6));
+  const RatioEstimate sure = ratio_of_pairs({2.0, 20.0}, {1.0, 10.0}, 0.95);
+  CHECK(sure.interval.low == 2.0);
+  CHECK(sure.interval.high == 2.0);
+}

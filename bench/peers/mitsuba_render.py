@@ -71,7 +71,7 @@ def render(scene, seed: int, spp: int, pixels: int) -> Rendered:
     return Rendered(total / taken, *watch.stop(), taken)
 
 
-def compile_kernels(command: Command, scene, spp: int, pixels: int) -> float:
+def compile_kernels(scene, spp: int, pixels: int) -> float:
     """Renders once to warm up. Returns the seconds in which kernels were generated and compiled: next to nothing for
     those that Dr.Jit keeps on disk from an earlier run."""
     import drjit
@@ -105,8 +105,10 @@ def main():
         exporter = mitsuba_scene.SceneExport(file, not arguments.one_sided_lights)
         scene = exporter.scene(width, height, max_depth, arguments.rr_depth, arguments.sampler)
     start_up["build"] = command.seconds()
-    if arguments.variant.startswith("llvm"):
-        start_up["compile"] = compile_kernels(command, scene, arguments.spp, width * height)
+
+    def prepare(spp: int):
+        if arguments.variant.startswith("llvm"):
+            start_up["compile"] = compile_kernels(scene, spp, width * height)
 
     peer = Peer(
         name="mitsuba",
@@ -122,6 +124,7 @@ def main():
         differences=mitsuba_scene.differences(file, not arguments.one_sided_lights),
         render=lambda seed, spp: render(scene, seed, spp, width * height),
         start_up=start_up,
+        prepare=prepare,
     )
     command.measure(arguments, peer)
 

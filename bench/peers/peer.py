@@ -45,6 +45,7 @@ class Peer:
     differences: list[str]  # what of the scene is not the same as in Raylab
     render: Callable  # (seed, samples per pixel) -> Rendered
     start_up: dict[str, float] = field(default_factory=dict)  # seconds before rendering, by name
+    prepare: Callable = lambda spp: None  # what so many samples per pixel need once, such as compiling: in start_up
 
 
 class Command:
@@ -68,9 +69,15 @@ class Command:
         add("-o", "--output", type=Path,
             help="EXR of the first timed render, float RGB; with {seed} in its name, one of each")
         add("--json", type=Path, help="write the result to this file")
+        add("--serve", action="store_true",
+            help="stay, and render what each line of standard input asks for: a JSON object with seed, spp and output;"
+                 " answer each with a line, after a first one that tells the renderer and its settings")
 
     def parse(self):
         arguments = self.parser.parse_args()
+        if arguments.serve:  # answers alone go to standard output, where renderers print too
+            self.answers = os.fdopen(os.dup(1), "w")
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if not arguments.scene and not arguments.probe:
             self.parser.error("a scene file is missing")
         best = BEST[self.name]
@@ -105,8 +112,32 @@ class Command:
         passed, self.began = now - self.began, now
         return passed
 
+    def answer(self, values: dict):
+        print(json.dumps(values), file=self.answers, flush=True)
+
+    def serve(self, arguments, peer: Peer):
+        """Tells of the renderer, then renders what it is asked for until standard input ends."""
+        self.answer({"version": peer.version, "variant": arguments.variant, "settings": peer.settings,
+                     "differences": peer.differences})
+        prepared, waiting = set(), Watch()
+        for line in sys.stdin:
+            waited, waited_cpu = waiting.stop()
+            asked = json.loads(line)
+            if asked["spp"] not in prepared:
+                peer.prepare(asked["spp"])
+                prepared.add(asked["spp"])
+            run = peer.render(asked["seed"], asked["spp"])
+            write_exr(run.picture, asked["output"])
+            self.answer({"seconds": run.seconds, "cpu_seconds": run.cpu_seconds, "spp": run.samples,
+                         "start_up_seconds": sum(peer.start_up.values()), "waited_seconds": waited,
+                         "waited_cpu_seconds": waited_cpu})
+            waiting = Watch()
+
     def measure(self, arguments, peer: Peer):
         """Renders, prints what came out and writes the files asked for."""
+        if arguments.serve:
+            return self.serve(arguments, peer)
+        peer.prepare(arguments.spp)
         runs = [peer.render(arguments.seed + repeat, arguments.spp) for repeat in range(arguments.repeats)]
         pictures = [run.picture for run in runs]
         mean, error = mean_and_error(pictures)

@@ -1,26 +1,41 @@
 #include "peer.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "raylab/core/error.hpp"
-#include "raylab/core/scratch_folder.hpp"
 #include "raylab/image/image_file.hpp"
 #include "subprocess.hpp"
 
 namespace raylab::bench {
 
-namespace fs = std::filesystem;
-
 namespace {
 
-/// Runs the peer's command.
-int run_peer(const Peer& peer, const std::string& python, const std::vector<std::string>& arguments) {
+/// The command that runs the peer in its variant.
+std::vector<std::string> command_of(const Peer& peer, const std::string& python,
+                                    const std::vector<std::string>& arguments) {
   std::vector<std::string> command{python, bench_script("peers/" + peer.name + "_render.py").string()};
   if (!peer.variant.empty()) command.insert(command.end(), {"--variant", peer.variant});
   command.insert(command.end(), arguments.begin(), arguments.end());
-  return run_program(command, true);
+  return command;
+}
+
+/// The value of what the peer answers, as `read` finds it there.
+template <class Read>
+auto answer_of(const std::string& name, const std::string& line, const Read& read) {
+  try {
+    return read(nlohmann::json::parse(line));
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorKind::failure, name, "answered \"" + line + "\": " + e.what());
+  }
+}
+
+PeerSettings settings_of(const nlohmann::json& json) {
+  PeerSettings found{json.at("version"), json.at("variant"), {}, json.at("differences")};
+  for (const auto& [name, value] : json.at("settings").items())
+    found.settings.push_back(name + " = " + (value.is_string() ? value.get<std::string>() : value.dump()));
+  return found;
 }
 
 }  // namespace
@@ -38,37 +53,35 @@ Peer parse_peer(const std::string& text) {
 }
 
 std::string why_not(const Peer& peer, const std::string& python) {
-  return run_peer(peer, python, {"--probe"}) == 0 ? "" : python + " cannot run it (see above)";
+  return run_program(command_of(peer, python, {"--probe"}), true) == 0 ? "" : python + " cannot run it (see above)";
 }
 
-PeerRuns render_with(const Peer& peer, const std::string& python, const std::string& scene_file,
-                     const RenderOptions& options, int threads, int runs) {
-  const ScratchFolder scratch("raylab-bench");
-  const fs::path file = scratch / "result.json";
-  const int exit_code = run_peer(
-      peer, python,
-      {scene_file, "--width", std::to_string(options.width), "--height", std::to_string(options.height), "--spp",
-       std::to_string(options.samples_per_pixel), "--max-depth", std::to_string(options.integrator.max_depth),
-       "--repeats", std::to_string(runs), "--threads", std::to_string(threads), "--seed", std::to_string(options.seed),
-       "--output", (scratch / "{seed}.exr").string(), "--json", file.string()});
-  if (exit_code != 0) throw Error(ErrorKind::failure, peer.name, "failed on " + scene_file);
-  std::ifstream stream(file);
-  const auto json = nlohmann::json::parse(stream);
-  PeerRuns result;
-  result.version = json["version"];
-  result.variant = json["variant"];
-  for (const auto& [name, value] : json["settings"].items()) {
-    result.settings.push_back(name + " = " + (value.is_string() ? value.get<std::string>() : value.dump()));
-  }
-  result.differences = json["differences"].get<std::vector<std::string>>();
-  result.samples_per_pixel = json["spp"];
-  for (const auto& [name, seconds] : json["start_up_seconds"].items()) result.start_up_seconds += seconds.get<double>();
-  for (int run = 0; run < runs; ++run) {
-    const auto i = static_cast<std::size_t>(run);
-    result.runs.push_back({read_exr(scratch / (std::to_string(options.seed + run) + ".exr")),
-                           json["all_seconds"][i].get<double>(), json["all_cpu_seconds"][i].get<double>()});
-  }
-  return result;
+PeerProcess::PeerProcess(const Peer& peer, const std::string& python, const std::string& scene_file,
+                         const RenderOptions& options, int threads, std::function<void()> check)
+    : name_(peer.name),
+      check_(std::move(check)),
+      process_(name_,
+               command_of(peer, python,
+                          {scene_file, "--serve", "--width", std::to_string(options.width), "--height",
+                           std::to_string(options.height), "--max-depth", std::to_string(options.integrator.max_depth),
+                           "--threads", std::to_string(threads)}),
+               scratch_.path()),
+      settings_(answer_of(name_, process_.read(check_), settings_of)) {}
+
+PeerRun PeerProcess::run(std::uint32_t seed, std::uint32_t samples_per_pixel) {
+  const std::filesystem::path picture = scratch_ / "picture.exr";
+  process_.write(nlohmann::json{{"seed", seed}, {"spp", samples_per_pixel}, {"output", picture.string()}}.dump());
+  PeerRun run = answer_of(name_, process_.read(check_), [](const nlohmann::json& json) {
+    return PeerRun{{},
+                   json.at("seconds"),
+                   json.at("cpu_seconds"),
+                   json.at("spp"),
+                   json.at("start_up_seconds"),
+                   json.at("waited_seconds"),
+                   json.at("waited_cpu_seconds")};
+  });
+  run.image = read_exr(picture);
+  return run;
 }
 
 }  // namespace raylab::bench

@@ -69,7 +69,7 @@ void measure(Suite& suite, const LoadedScene& loaded, const Variant& variant, co
     intersect.push_back(timed.intersect_seconds());
     occluded.push_back(timed.occluded_seconds());
     shares.push_back((intersect.back() + occluded.back()) / rendered.seconds);
-    estimated_relmse = rendered.estimated_relmse;
+    estimated_relmse = rendered.error.relmse;
   }
   Row row{{"suite", "profile"}, {"scene", scene.name}, {"threads", 1}};
   add_fields(row, variant, scene.geometry, built);

@@ -1,26 +1,13 @@
 // raylab-bench render: whole pictures, error against time.
 #include <algorithm>
-#include <cmath>
-#include <map>
 
-#include "commands.hpp"
-#include "peer.hpp"
-#include "raylab/core/error.hpp"
 #include "raylab/core/parallel.hpp"
 #include "raylab/image/image_file.hpp"
-#include "rendering.hpp"
+#include "whole_pictures.hpp"
 
 namespace raylab::bench {
 
 namespace {
-
-/// What a scene is rendered with.
-struct Configuration {
-  Variant variant;
-  std::string integrator = "path";
-  std::string sampler = "sobol";
-  std::string ray_offset = "bounds";
-};
 
 /// Returns all combinations of what was asked for; where nothing was, the default configuration and those that
 /// differ from it in one thing.
@@ -52,195 +39,6 @@ std::vector<Configuration> configurations_of(const RenderSuiteOptions& options) 
     }
   }
   return configurations;
-}
-
-/// Holds what all measurements of one scene have in common.
-struct SceneContext {
-  const std::string& file;
-  const LoadedScene& loaded;
-  const Reference& reference;
-  const RenderSuiteOptions& options;
-  int threads;
-};
-
-RenderOptions options_for(const SceneContext& context, const Configuration& configuration, int spp, int run) {
-  RenderOptions o = options_of(context.loaded, context.options.width);
-  o.integrator.kind = parse_integrator(configuration.integrator);
-  o.integrator.ray_offset = configuration.ray_offset == "book" ? RayOffset::book : RayOffset::bounds;
-  o.sampler = parse_sampler(configuration.sampler);
-  o.samples_per_pixel = static_cast<std::uint32_t>(spp);
-  o.seed = context.options.seed + 1 + static_cast<std::uint32_t>(run);
-  return o;
-}
-
-/// Collects what the runs of one configuration gave at one number of samples.
-struct Runs {
-  std::vector<double> seconds, cpu_seconds;
-  std::vector<ImageError> errors;
-  RayCounts rays;
-};
-
-Row scene_row(const SceneContext& context) {
-  return {{"suite", "render"}, {"scene", context.loaded.scene.name}, {"threads", context.threads}};
-}
-
-std::string name_of(const Row& row) {
-  std::string name = variant_name(row);
-  if (row.contains("sampler")) {
-    name += ", " + row["integrator"].get<std::string>() + ", " + row["sampler"].get<std::string>();
-    if (row.contains("ray_offset")) name += ", offset of the book";
-  }
-  return name;
-}
-
-std::string line_of(const Row& row) {
-  return format("%-12s %-32s %4d spp  %7.3f s  relMSE %-8.3g ± %-8.2g trimmed %-8.3g mean ratio %.5f ± %.5f",
-                row["scene"].get<std::string>().c_str(), name_of(row).c_str(), row["spp"].get<int>(),
-                row["seconds"].get<double>(), row["relmse"].get<double>(), row.value("relmse_error", 0.0),
-                row["relmse_trimmed"].get<double>(), row["mean_ratio"].get<double>(),
-                row["mean_ratio_error"].get<double>());
-}
-
-/// Adds the row that says when the configuration of `row` reaches the target.
-void add_time_to_error(const SceneContext& context, Suite& suite, Row row, const std::vector<ErrorAtTime>& points) {
-  const TimeToError time = time_to_error(points, context.options.target_error);
-  for (const char* field :
-       {"spp", "runs", "seconds_min", "seconds_max", "cpu_seconds", "mpaths_per_second", "mrays_per_second",
-        "start_up_seconds", "relmse_noise", "relmse_error", "relmse_trimmed", "mean_ratio", "mean_ratio_error"}) {
-    row.erase(field);
-  }
-  row["question"] = "time to error";
-  row["target_relmse"] = context.options.target_error;
-  row["relmse"] = context.options.target_error;
-  row["seconds"] = time.seconds;
-  row["extrapolated"] = time.extrapolated;
-  suite.add({row},
-            {format("%-12s %-32s relMSE %g after %.3f s%s", context.loaded.scene.name.c_str(), name_of(row).c_str(),
-                    context.options.target_error, time.seconds, time.extrapolated ? " (extrapolated)" : "")});
-}
-
-/// Returns how often to render with so many samples per pixel: twice as often where a render takes so little time
-/// that a stall of the machine shows.
-int runs_of(const RenderSuiteOptions& options, int spp) {
-  const int most = *std::max_element(options.spp.begin(), options.spp.end());
-  return spp < most ? 2 * options.repeats : options.repeats;
-}
-
-/// Renders all configurations with one number of samples after the other, their runs interleaved.
-void measure_configurations(Suite& suite, const SceneContext& context, const std::vector<Configuration>& configurations,
-                            const std::vector<Built>& built) {
-  const Scene& scene = context.loaded.scene;
-  std::vector<std::vector<ErrorAtTime>> points(configurations.size());
-  std::vector<Row> last(configurations.size());
-  for (const int spp : context.options.spp) {
-    std::vector<Runs> runs(configurations.size());
-    // The first run of each warms up and is measured again.
-    for (int run = -1; run < runs_of(context.options, spp); ++run) {
-      for (std::size_t i = 0; i < configurations.size(); ++i) {
-        RenderOptions o = options_for(context, configurations[i], spp, std::max(run, 0));
-        if (run < 0) o.samples_per_pixel = 1;
-        const Rendered rendered = render_once(suite, scene, *built[i].accelerator, o);
-        if (run < 0) continue;
-        runs[i].seconds.push_back(rendered.seconds);
-        runs[i].cpu_seconds.push_back(rendered.cpu_seconds);
-        runs[i].errors.push_back(image_error(rendered.image, context.reference.image));
-        runs[i].rays = rendered.rays;
-      }
-    }
-    for (std::size_t i = 0; i < configurations.size(); ++i) {
-      const RenderOptions o = options_for(context, configurations[i], spp, 0);
-      Row row = scene_row(context);
-      add_fields(row, configurations[i].variant, scene.geometry, built[i]);
-      add_fields(row, o);
-      if (o.integrator.ray_offset == RayOffset::book) row["ray_offset"] = "book";
-      add_times(row, runs[i].seconds, work_of(o));
-      row["cpu_seconds"] = spread_of(runs[i].cpu_seconds).median;
-      const double rays = 1e-6 * static_cast<double>(runs[i].rays.total());
-      row["mrays_per_second"] = {{"median", rays / row["seconds"].get<double>()},
-                                 {"min", rays / row["seconds_max"].get<double>()},
-                                 {"max", rays / row["seconds_min"].get<double>()}};
-      add_fields(row, combine(runs[i].errors, context.reference), context.reference);
-      points[i].push_back({row["seconds"], row["relmse"]});
-      suite.add({row}, {line_of(row)});
-      last[i] = row;
-    }
-  }
-  for (std::size_t i = 0; i < configurations.size(); ++i) add_time_to_error(context, suite, last[i], points[i]);
-}
-
-/// Returns the relMSE that the peer's pictures have against their own mean. Where its model is not quite ours this is
-/// noise alone, with no share of the difference.
-double noise_of(const std::vector<PeerRun>& runs, const Image& reference) {
-  const auto n = static_cast<float>(runs.size());
-  Image mean = reference;
-  for (std::size_t i = 0; i < mean.pixels.size(); ++i) {
-    mean.pixels[i] = Rgb(0.0f);
-    for (const PeerRun& run : runs) mean.pixels[i] += run.image.pixels[i] / n;
-  }
-  double sum = 0.0;
-  for (const PeerRun& run : runs) {
-    Image noise = reference;
-    for (std::size_t i = 0; i < mean.pixels.size(); ++i) noise.pixels[i] += run.image.pixels[i] - mean.pixels[i];
-    sum += image_error(noise, reference).relmse;
-  }
-  return sum / (n - 1.0);
-}
-
-/// A peer's picture is taken where rendering is measured, not its launch: at this width and so many seconds a point.
-constexpr int kPeerWidth = 400;
-constexpr double kPeerSeconds = 1.0;
-
-void measure_peer(Suite& suite, const SceneContext& context, const Peer& peer) {
-  std::vector<ErrorAtTime> points;
-  Row row;
-  // The longest point comes first: where it is too short, so are all others.
-  for (auto spp = context.options.spp.rbegin(); spp != context.options.spp.rend(); ++spp) {
-    const RenderOptions o = options_for(context, Configuration(), *spp, 0);
-    const int runs = std::max(2, runs_of(context.options, *spp));
-    PeerRuns measured;
-    try {
-      measured = render_with(peer, context.options.peer_python, context.file, o, context.threads, runs);
-    } catch (const Error& e) {
-      suite.check();
-      suite.note(std::string("left out: ") + e.what());
-      break;
-    }
-    suite.check();
-    std::vector<double> seconds, cpu_seconds;
-    std::vector<ImageError> errors;
-    for (const PeerRun& run : measured.runs) {
-      seconds.push_back(run.seconds);
-      cpu_seconds.push_back(run.cpu_seconds);
-      errors.push_back(image_error(run.image, context.reference.image));
-    }
-    if (spread_of(seconds).median < kPeerSeconds) {
-      suite.note(format("%s: %s with %d samples a pixel takes %.2f s, less than %g: not taken",
-                        context.loaded.scene.name.c_str(), peer.name.c_str(), *spp, spread_of(seconds).median,
-                        kPeerSeconds));
-      break;
-    }
-    row = scene_row(context);
-    row["renderer"] = peer.name + " " + measured.version + " " + measured.variant;
-    row["accel"] = peer.name;
-    row["peer"] = peer.name;
-    row["version"] = measured.version;
-    row["settings"] = measured.settings;
-    row["differences"] = measured.differences;
-    row["width"] = o.width;
-    row["height"] = o.height;
-    row["spp"] = measured.samples_per_pixel;
-    row["max_depth"] = o.integrator.max_depth;
-    RenderOptions taken = o;
-    taken.samples_per_pixel = measured.samples_per_pixel;
-    add_times(row, seconds, work_of(taken));
-    row["cpu_seconds"] = spread_of(cpu_seconds).median;
-    row["start_up_seconds"] = measured.start_up_seconds;
-    add_fields(row, combine(errors, context.reference), context.reference);
-    row["relmse_noise"] = noise_of(measured.runs, context.reference.image);
-    points.insert(points.begin(), {row["seconds"], row["relmse_noise"]});
-    suite.add({row}, {line_of(row)});
-  }
-  if (!points.empty()) add_time_to_error(context, suite, row, points);
 }
 
 /// Renders with all accelerators from equal random numbers and records where the pictures differ, and by how much.
@@ -322,13 +120,11 @@ int render(const RenderSuiteOptions& given) {
     suite.note(format("%s: the reference's own relMSE is %.2g, its mean is good to %.2g", loaded.scene.name.c_str(),
                       reference.relmse, reference.mean_ratio_error));
     const SceneContext context{options.scenes[i], loaded, reference, options, threads};
-    measure_configurations(suite, context, configurations, built);
-    compare_pictures(suite, context, configurations, built);
-    if (options_for(context, Configuration(), 1, 0).width < kPeerWidth && !peers.empty()) {
+    const bool too_narrow = options_for(context, Configuration(), 1, 0).width < kPeerWidth && !peers.empty();
+    if (too_narrow)
       suite.note(format("%s: no peers below a width of %d pixels", loaded.scene.name.c_str(), kPeerWidth));
-      continue;
-    }
-    for (const Peer& peer : peers) measure_peer(suite, context, peer);
+    measure_in_turns(suite, context, configurations, built, too_narrow ? std::vector<Peer>() : peers);
+    compare_pictures(suite, context, configurations, built);
   }
   suite.finish();
   return 0;

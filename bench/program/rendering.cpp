@@ -64,8 +64,7 @@ Rendered render_once(Suite& suite, const Scene& scene, const Accelerator& accele
   const double cpu_seconds = cpu.seconds();
   suite.advance(work_of(options));
   const RenderStats stats = session.stats();
-  const Film& film = session.film();
-  return {film.image(), stats.seconds, cpu_seconds, stats.rays, film.estimated_relmse()};
+  return {session.film().image(), stats.seconds, cpu_seconds, stats.rays, session.estimated_error()};
 }
 
 RenderOptions options_of(const LoadedScene& loaded, int width) {

@@ -13,7 +13,7 @@ struct Rendered {
   double seconds = 0.0;      ///< wall clock, rendering alone
   double cpu_seconds = 0.0;  ///< of all threads
   RayCounts rays;
-  double estimated_relmse = 0.0;  ///< from the variance of the picture's own samples
+  RelmseEstimate error;  ///< from the picture's own samples
 };
 
 /// Samples of all pixels: the unit of a suite's progress.

@@ -38,6 +38,19 @@ def as_short(seconds, least):
     return seconds <= max((1.0 + AS_GOOD) * least, least + AS_SHORT)
 
 
+def of_base(row):
+    """The interval of a time to the target in times of the way that it was measured in turns with, or which it is."""
+    ratio = row.get("time_ratio", {"low": 1.0, "high": 1.0})
+    return ratio["low"], ratio["high"]
+
+
+def as_soon(row, first):
+    """Whether a whole picture cannot be told to take more than a tenth longer to the target than the first one."""
+    if "time_ratio" not in row and "time_ratio" not in first:  # measured apart
+        return as_short(row["seconds"], first["seconds"])
+    return of_base(row)[0] <= (1.0 + AS_GOOD) * of_base(first)[1]
+
+
 def limits(low, high):
     return f"{number(low)}–{number(high)}"
 
@@ -90,7 +103,7 @@ def picture_columns(ways, targets):
     """Seconds to equal error: rendered with each accelerator's own triangle test, path and sobol."""
     seconds = {style.variant({**row, "intersector": ""}): row for row in targets
                if row.get("integrator") == "path" and row.get("sampler") == "sobol"}
-    least = min((row["seconds"] for row in targets), default=0.0)
+    first = min(targets, key=lambda row: row["seconds"], default=None)
     cells = []
     for kinds in ways.values():
         row = next(iter(kinds.values()))
@@ -99,7 +112,7 @@ def picture_columns(ways, targets):
         elif not is_own_test(row):
             cells.append(missing("whole pictures are rendered with the accelerator's own triangle test"))
         elif found := seconds.get(style.variant({**row, "intersector": ""})):
-            cells.append(picture_cell(found, as_short(found["seconds"], least)))
+            cells.append(picture_cell(found, as_soon(found, first)))
         else:
             cells.append(missing("no whole picture was measured with it"))
     return cells
@@ -108,16 +121,24 @@ def picture_columns(ways, targets):
 def peer_rows(targets, columns):
     """A row for each other renderer, of which only whole pictures can be measured."""
     why = "of another renderer only whole pictures are measured"
+    first = min(targets, key=lambda row: row["seconds"], default=None)
     for row in targets:
         if row.get("renderer"):
-            yield [row["renderer"], *(missing(why) for _ in range(columns - 2)), picture_cell(row)]
+            yield [row["renderer"], *(missing(why) for _ in range(columns - 2)), picture_cell(row, as_soon(row, first))]
+
+
+def ratio_text(row):
+    """How many times as long as the way that it took turns with; empty where it took none."""
+    if "time_ratio" not in row:
+        return ""
+    ratio = row["time_ratio"]
+    return f"{number(ratio['mean'])} ({limits(ratio['low'], ratio['high'])}) × {row['against']}"
 
 
 def picture_cell(row, best=False):
-    text = number(row["seconds"])
-    if row.get("extrapolated"):
-        return Cell(f"≈ {text}", row["seconds"], "extrapolated", best)
-    return Cell(text, row["seconds"], "", best)
+    extrapolated = row.get("extrapolated")
+    below = "; ".join(filter(None, ["extrapolated" if extrapolated else "", ratio_text(row)]))
+    return Cell(("≈ " if extrapolated else "") + number(row["seconds"]), row["seconds"], below, best)
 
 
 def scene_table(rows, targets):
@@ -202,6 +223,8 @@ def html(results):
         f"median at {coverage:.3g}% or more (sign test, {repeats} repeats at least). Wrong answers: leaks, false "
         "misses, false hits and wrong primitives against the exact answer, with Clopper and Pearson's 95% interval. "
         "Marked: the best of a column, and those that are as good: speeds and seconds within a tenth of it (or a "
-        "millisecond), which is what two runs differ by on a shared machine, and counts that Fisher's exact test with "
-        "Holm's correction does not tell apart at 5%. Batch: 512 rays at once, as the renderer sends them.")
+        "millisecond), which is what two runs differ by on a shared machine, whole pictures that are not surely more than "
+        "a tenth slower, and counts that Fisher's exact test with Holm's correction does not tell apart at 5%. Beneath "
+        "the seconds of a whole picture: how many times as long as with the accelerator named, with which it took "
+        "turns; mean and 95% interval over rounds (Student's t). Batch: 512 rays at once, as the renderer sends them.")
     return "\n".join([*parts[:1], f'<p class="notes">{reading}</p>', *parts[1:]])

@@ -79,15 +79,16 @@ def bare_table(results):
 def picture_table(results):
     """Seconds to an equal error, of Raylab and of other renderers."""
     rows = [row for row in results["rows"] if row.get("question") == "time to error"]
-    body = []
+    body, in_turns = [], any("time_ratio" in row for row in rows)
     for row in rows:
         if row["width"] != max(r["width"] for r in rows if r["scene"] == row["scene"]) or row["width"] < 400:
             continue
         who = row.get("renderer") or f"`{style.variant(row)}`"
         approximately = "≈ " if row.get("extrapolated") else ""
         body.append([row["scene"], who, number(row["target_relmse"]), approximately + number(row["seconds"]),
-                     str(row["width"])])
-    return body and markdown(["scene", "renderer", "relMSE", "seconds", "width"], body)
+                     *([answers.ratio_text(row) or "–"] if in_turns else []), str(row["width"])])
+    head = ["scene", "renderer", "relMSE", "seconds", *(["times as long (95%)"] if in_turns else []), "width"]
+    return body and markdown(head, body)
 
 
 def process_lines(results):

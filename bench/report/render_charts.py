@@ -3,7 +3,8 @@
 import textwrap
 
 import style
-from markup import table
+from answers import of_base, ratio_text
+from markup import Cell, missing, number_cell, table
 from rays_charts import front
 from style import number
 
@@ -100,16 +101,25 @@ def varied(scenes):
             + (f"; no row here varies {', '.join(same)}." if same else "."))
 
 
-def cheapest(scenes):
-    """The way with the least error × seconds at most samples, as a sentence; those within the noise are named too."""
+def prices(rows, goals):
+    """What equal error costs each way, and within what limits: the times to the target in times of one of them, with
+    which all took turns, or, where rows were measured apart, error × seconds at most samples."""
+    if goals and sum("time_ratio" in goal for goal in goals) == len(goals) - 1:
+        return {name_of(goal): [goal.get("time_ratio", {"mean": 1.0})["mean"], *of_base(goal)] for goal in goals}
+    price = {}
+    for name, points in by_way(rows).items():
+        last = max(points, key=lambda row: row["spp"])
+        error = last.get("relmse_error", 0.0)
+        price[name] = [last["relmse"] * last["seconds"], (last["relmse"] - 2 * error) * last["seconds_min"],
+                       (last["relmse"] + 2 * error) * last["seconds_max"]]
+    return price
+
+
+def cheapest(scenes, targets):
+    """The way with the least time for equal error, as a sentence; those within the noise are named too."""
     parts = []
     for scene, rows in scenes.items():
-        price = {}
-        for name, points in by_way(rows).items():
-            last = max(points, key=lambda row: row["spp"])
-            error = last.get("relmse_error", 0.0)
-            price[name] = [last["relmse"] * last["seconds"], (last["relmse"] - 2 * error) * last["seconds_min"],
-                           (last["relmse"] + 2 * error) * last["seconds_max"]]
+        price = prices(rows, targets.get(scene, []))
         best = min(price, key=lambda name: price[name][0])
         tied = [name for name in price if name != best and price[name][1] <= price[best][2]]
         worst = max(price, key=lambda name: price[name][0])
@@ -164,13 +174,17 @@ def reached(scenes):
             f"{beyond}. First: {'; '.join(parts)}.")
 
 
-def charts(results, _):
+def points_and_targets(results):
     rows = [row for row in results["rows"] if row["suite"] == "render"]
-    measured = by_size(row for row in rows if "question" not in row and "reference_relmse" in row)
-    targets = by_size(row for row in rows if row.get("question") == "time to error")
+    return (by_size(row for row in rows if "question" not in row and "reference_relmse" in row),
+            by_size(row for row in rows if row.get("question") == "time to error"))
+
+
+def charts(results, _):
+    measured, targets = points_and_targets(results)
     if measured:
         yield style.Chart(
-            "convergence", cheapest(measured),
+            "convergence", cheapest(measured, targets),
             varied(measured) +
             " relMSE: mean of independent runs with its standard error; seconds: median and range. In the shaded zone"
             " the reference is the noisier of the two, so nothing can be measured there. A hollow mark on a dotted "
@@ -186,8 +200,46 @@ def charts(results, _):
             lambda: time_to_error(results, targets))
 
 
+def estimate_cell(row):
+    """What a picture's own samples say of its error, to be held against the relMSE."""
+    if row.get("renderer"):
+        return missing("another renderer's samples are not seen")
+    if "estimated_relmse" not in row:
+        return missing("it was not estimated")
+    interval = row.get("estimated_relmse_95")
+    below = [f"{number(interval['low'])}–{number(interval['high'])}"] if interval else []
+    return Cell(number(row["estimated_relmse"]), row["estimated_relmse"],
+                "; ".join(below + ([] if row["estimated_relmse_reliable"] else ["not reliable"])))
+
+
+def points_table(scenes):
+    return table(
+        ["scene", "way", "samples", "seconds", "relMSE", "as its samples estimate it", "mean ratio"],
+        [[scene, name_of(row), number_cell(row["spp"]),
+          Cell(number(row["seconds"]), row["seconds"], f"{number(row['seconds_min'])}–{number(row['seconds_max'])}"),
+          Cell(number(row["relmse"]), row["relmse"], f"± {number(row['relmse_error'])}" if "relmse_error" in row else ""),
+          estimate_cell(row), Cell(f"{row['mean_ratio']:.5f}", row["mean_ratio"], f"± {row['mean_ratio_error']:.5f}")]
+         for scene, rows in scenes.items() for row in sorted(rows, key=lambda row: row["spp"])])
+
+
+def targets_table(scenes):
+    return table(
+        ["scene", "way", "relMSE", "seconds", "times as long, in turns (95%)"],
+        [[scene, name_of(row), number(row["target_relmse"]),
+          Cell(("≈ " if row.get("extrapolated") else "") + number(row["seconds"]), row["seconds"]),
+          Cell(ratio_text(row), row["time_ratio"]["mean"]) if "time_ratio" in row else
+          missing("it is what the others are compared with, or was measured apart")]
+         for scene, rows in scenes.items() for row in rows])
+
+
 def tables(results):
-    """HTML of how other renderers were set, and what of the scene they have otherwise."""
+    """HTML of the points of the charts, of how other renderers were set, and of what they have otherwise."""
+    measured, targets = points_and_targets(results)
+    if measured:
+        yield ("<h2>Whole pictures</h2><p class=\"notes\">relMSE is that against the reference, whose own is in it; what "
+               "a picture's own samples say of it, with 95% interval, needs none.</p>") + points_table(measured)
+    if targets:
+        yield "<h2>Time to a given error</h2>" + targets_table(targets)
     peers = {(row["scene"], row["renderer"]): row for row in results["rows"] if row.get("settings")}
     if peers:
         yield "<h2>How other renderers were set</h2>" + table(

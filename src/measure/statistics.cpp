@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -49,6 +50,16 @@ Interval median_interval(std::vector<double> values, double confidence) {
     ++outside;
   if (outside == 0) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   return {values[outside - 1], values[values.size() - outside]};
+}
+
+RatioEstimate ratio_of_pairs(const std::vector<double>& values, const std::vector<double>& others, double confidence) {
+  RAYLAB_CHECK(values.size() == others.size() && values.size() > 1);
+  std::vector<double> logarithms;
+  for (std::size_t i = 0; i < values.size(); ++i) logarithms.push_back(std::log(values[i] / others[i]));
+  const MeanAndError log_ratio = mean_and_error(logarithms);
+  const boost::math::students_t distribution(static_cast<double>(values.size() - 1));
+  const double off = log_ratio.error * boost::math::quantile(distribution, 0.5 + 0.5 * confidence);
+  return {std::exp(log_ratio.mean), {std::exp(log_ratio.mean - off), std::exp(log_ratio.mean + off)}};
 }
 
 double sign_test_above(const std::vector<double>& values, double median) {

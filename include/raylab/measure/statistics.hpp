@@ -34,6 +34,15 @@ Interval proportion_interval(std::size_t count, std::size_t trials, double confi
 /// with at least this confidence, by the sign test; from -infinity to infinity where they are too few.
 Interval median_interval(std::vector<double> values, double confidence);
 
+struct RatioEstimate {
+  double mean = 1.0;  ///< geometric
+  Interval interval;
+};
+
+/// How many times as large the first of each pair of positive values is, of at least two pairs: their ratios' geometric
+/// mean, and the interval that holds that of endless pairs with this confidence, by Student's t of the logarithms.
+RatioEstimate ratio_of_pairs(const std::vector<double>& values, const std::vector<double>& others, double confidence);
+
 /// The sign test: how probable it is that at least as many of the values lie above `median` if that is the median of
 /// what they are drawn from. Values equal to it do not count.
 double sign_test_above(const std::vector<double>& values, double median);
