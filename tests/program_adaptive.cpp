@@ -74,3 +74,16 @@ TEST_CASE("parts of an adaptive render, and films of both kinds together, are re
   CHECK(merged.exit_code == 3);
   CHECK(contains(merged.err, adaptive + ": cannot be merged with the others: its samples are where the error was"));
 }
+
+TEST_CASE("the error so far is estimated while a render goes on", "[cli][film]") {
+  const SmallScene small;
+  const std::string output = (small / "out.exr").string();
+  const ProgramResult result =
+      render(small, {"-o", output, "--spp", "1000000000", "--time-limit", "2.5s", "--progress", "json"});
+  CHECK(result.exit_code == 0);
+  const std::size_t last = result.err.rfind('{');
+  REQUIRE(last != std::string::npos);
+  const auto json = nlohmann::json::parse(result.err.substr(last));
+  CHECK(json.at("estimated_relmse") > 0.0);
+  CHECK(json.at("estimated_relmse") < 1e-3);
+}
