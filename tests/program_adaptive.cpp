@@ -26,7 +26,8 @@ Film read_film(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("--adaptive says what it took, and its film goes on to the bits of one render", "[cli][film][adaptive]") {
+TEST_CASE("an adaptive render says what it took, and its film goes on to the bits of one render",
+          "[cli][film][adaptive]") {
   const SmallScene small;
   const std::string output = (small / "out.exr").string(), whole = (small / "whole.exr").string();
   const std::string stats = (small / "stats.json").string();
