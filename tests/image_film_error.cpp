@@ -55,6 +55,19 @@ TEST_CASE("the estimate of error holds rare bright samples against what is aroun
   CHECK(estimated == Approx(truth).epsilon(0.2));
 }
 
+TEST_CASE("pixels with other numbers of samples than their neighbours count each with its own", "[unit][image]") {
+  const auto estimated = [](int even, int odd) {
+    Film film(20, 10);
+    for (int y = 0; y < film.height(); ++y) {
+      for (int x = 0; x < film.width(); ++x) {
+        for (int i = 0; i < (x % 2 == 0 ? even : odd); ++i) film.add(x, y, Rgb(i % 2 == 0 ? 0.7f : 1.3f));
+      }
+    }
+    return estimate_relmse(film, true).relmse;
+  };
+  CHECK(estimated(16, 48) == Approx(0.5 * (estimated(16, 16) + estimated(48, 48))));
+}
+
 TEST_CASE("an estimate of error that a few pixels carry says that it is not reliable", "[unit][image]") {
   CHECK(estimate_relmse(noisy_film(2.0f, 0.5, 1), false).reliable);
   Film film = noisy_film(2.0f, 0.5, 1);

@@ -73,6 +73,9 @@ void merge(const std::vector<fs::path>& parts, const fs::path& output, const std
   for (const fs::path& name : parts) {
     const FilmFile part(name);
     const FilmInfo& info = part.info();
+    if (info.settings.contains("adaptive")) {
+      refuse(name, "its samples are where the error was (--adaptive), and not the same ones of each pixel");
+    }
     if (&name == &parts.front()) {
       all.settings = info.settings;
       all.pixels = info.pixels;

@@ -126,6 +126,11 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
          "--target-error", command.target_error,
          "Stop after the first pass of which the estimated relMSE is reliable and no more; --spp remains the limit")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--adaptive", command.adaptive,
+               "Take samples where the error is: --spp is the mean of a pixel, which has a quarter of it or more, by "
+               "the noise of the first 16 samples of its neighbours; without bias, and not with --samples");
+  bool even = false;
+  app.add_flag("--no-adaptive", even)->group("");  // as the command that makes a dropped sample again asks for
   app.add_option("--exr", command.exr,
                  "Values of EXR pictures: half or float (default: half, and float where half would lose values "
                  "beyond 65504 or near 0)")
@@ -166,6 +171,12 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
     throw Error(ErrorKind::usage, "--first-sample", "is no more: --samples A:B takes samples A to B - 1");
   }
   if (!samples.empty()) command.samples = parse_samples(samples);
+  command.adaptive &= !even;
+  if (command.samples && command.adaptive) {
+    throw Error(ErrorKind::usage, "--adaptive",
+                "counts the samples of each pixel by those of all others, which a part of them, --samples, does not "
+                "have");
+  }
   if (!checkpoint_every.empty()) command.checkpoint_every = parse_seconds("--checkpoint-every", checkpoint_every);
   if (!write_every.empty()) command.write_every = parse_seconds("--write-every", write_every);
   if (!time_limit.empty()) command.time_limit = parse_seconds("--time-limit", time_limit);
@@ -257,6 +268,7 @@ RenderOptions session_options(const RenderCommand& command, const LoadedScene& l
   options.sampler = parse_sampler(command.sampler);
   options.seed = command.seed;
   options.target_error = command.target_error;
+  options.adaptive = command.adaptive;
   if (command.samples) {
     if (command.spp && command.samples->end > static_cast<std::uint32_t>(*command.spp)) {
       throw Error(ErrorKind::usage, "--samples",

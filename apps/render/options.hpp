@@ -53,6 +53,7 @@ struct RenderCommand : PictureCommand {
   bool resume = false;
   std::optional<double> checkpoint_every, write_every, time_limit;  ///< seconds
   std::optional<double> target_error;
+  bool adaptive = false;
   std::string exr;  ///< half or float; empty: half where it holds the picture
   int tile_size = 16;
   std::string crop;

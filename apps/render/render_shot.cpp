@@ -7,6 +7,7 @@
 #include "raylab/core/atomic_file.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/interrupt.hpp"
+#include "raylab/core/parallel.hpp"
 #include "raylab/core/progress.hpp"
 #include "raylab/core/text.hpp"
 #include "raylab/render/features.hpp"
@@ -160,6 +161,7 @@ class ShotRender {
     const auto warn = [this](const std::string& failure) { job_.warn(failure); };
     RepeatedWriter checkpoints([&] { write_checkpoint(session); }, warn);
     RepeatedWriter pictures([&] { write_outputs(session, report_so_far(session), job_.command.exr == "float"); }, warn);
+    RepeatedWriter errors([&] { estimate_error(session, progress); }, warn);
     const Stopwatch watch;
     session.start();
     while (!session.wait_for(0.05)) {
@@ -167,6 +169,7 @@ class ShotRender {
       progress.update(done);
       checkpoints.write_every(
           checkpoint_interval(job_.command, progress.expected_seconds(done), checkpoints.last_seconds()));
+      errors.write_every(error_interval(errors.last_seconds()));
       if (job_.command.write_every) pictures.write_every(*job_.command.write_every);
       if (QuestionGuard::asked()) progress.say(done);
       if (!stopped_by_.empty()) continue;
@@ -177,6 +180,28 @@ class ShotRender {
     session.stop();
     progress.finish(session.progress());
     if (session.finished()) stopped_by_ = session.progress() < 1.0 ? "--target-error" : "samples";
+  }
+
+  /// Of what is done so far, by rows, as copying the whole would take the film's memory again.
+  static void estimate_error(const RenderSession& session, Progress& progress) {
+    constexpr int kBand = 16;
+    RelmseEstimator estimator = session.error_estimator();
+    const int height = session.options().height;
+    for (int first = 0; first < height; first += kBand) {
+      const int above = std::min(first, 1), count = std::min(kBand, height - first);
+      const int below = std::min(height - first - count, 1);  // rows beside, which are seen as neighbours
+      estimator.add(session.snapshot_rows(first - above, above + count + below), above, count);
+    }
+    const RelmseEstimate error = estimator.estimate();
+    if (error.relmse < kInfinity) progress.set_error(error.relmse, error.reliable);
+  }
+
+  /// Seconds between estimates of the error, so that they take no more than a thousandth of the time of all threads.
+  double error_interval(double last_seconds) const {
+    constexpr double kSecondsPerPixel = 3e-7;  // before one is measured
+    const double each = last_seconds > 0.0 ? last_seconds : kSecondsPerPixel * options_.width * options_.height;
+    const int threads = job_.command.threads > 0 ? job_.command.threads : hardware_threads();
+    return std::max(1.0, 1000.0 * each / threads);
   }
 
   FilmPicture picture_of(const RenderSession& session, const RenderReport& report) const {

@@ -84,6 +84,9 @@ std::string report_text(const RenderReport& r) {
     text += format("spheres    lights are sampled over %zu ways off and through spheres too (--strategies)\n",
                    r.sphere_chains);
   }
+  if (r.options.adaptive) {
+    text += format("adaptive   %u to %u samples a pixel, where the error is\n", r.taken.first, r.taken.end);
+  }
   if (r.stopped_by != "samples") {
     text += format("stopped    by %s with %u to %u of %u samples a pixel\n", r.stopped_by.c_str(), r.taken.first,
                    r.taken.end, r.options.samples_per_pixel);
@@ -113,6 +116,7 @@ std::string report_text(const RenderReport& r) {
 std::string replay_command(const RenderReport& r) {
   const DroppedSample d = r.stats.first_dropped.value_or(DroppedSample{});
   std::string command = r.command.command_line;
+  if (r.options.adaptive) command += " --no-adaptive";  // the sample is the same
   return command + format(" --width %d --height %d --crop %d,%d,1,1 --samples %u:%u", r.options.width, r.options.height,
                           d.x, d.y, d.sample, d.sample + 1);
 }
@@ -147,6 +151,7 @@ std::string report_json(const RenderReport& r) {
   json["width"] = r.options.width;
   json["height"] = r.options.height;
   json["spp"] = r.options.samples_per_pixel;
+  json["adaptive"] = r.options.adaptive;
   json["max_depth"] = r.options.integrator.max_depth;
   json["seed"] = r.options.seed;
   json["threads"] = threads_of(r.command);

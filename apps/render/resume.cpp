@@ -31,6 +31,15 @@ std::string tracer_text(const RenderCommand& command, const BuildReport& build) 
   return accelerator_text(command) + (same_everywhere ? "" : ", " + build.isa);
 }
 
+/// Rounded up.
+std::uint64_t mean_taken(const Film& film, std::uint64_t pixels) {
+  std::uint64_t taken = 0;
+  for (int y = 0; y < film.height(); ++y) {
+    for (int x = 0; x < film.width(); ++x) taken += film.taken(x, y);
+  }
+  return (taken + pixels - 1) / pixels;
+}
+
 }  // namespace
 
 FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
@@ -53,6 +62,11 @@ FilmInfo film_info(const RenderCommand& command, const LoadedScene& loaded, cons
   const std::uint32_t end = options.first_sample + options.samples_per_pixel;
   info.ranges = {{options.first_sample, end}};
   info.wanted = std::max(end, static_cast<std::uint32_t>(command.spp.value_or(loaded.scene.render.samples_per_pixel)));
+  if (options.adaptive) {
+    info.settings["adaptive"] = format("by %u samples", SampleMap::kPilot);
+    info.ranges = {{0, SampleMap::kMost * options.samples_per_pixel}};
+    info.wanted = options.samples_per_pixel;
+  }
   info.pixels = static_cast<std::uint64_t>(crop.width) * static_cast<std::uint64_t>(crop.height);
   return info;
 }
@@ -85,9 +99,10 @@ std::optional<ResumedFilm> resumed_film(const std::vector<fs::path>& outputs, co
   }
   Film film(file.width(), file.height());
   const SampleRange taken = file.add_to(film);
-  if (taken.end > range.end - range.first) {
-    refuse(format("it has %u samples of a pixel, and %u are asked for", taken.end, range.end - range.first));
-  }
+  const bool adaptive = wanted.settings.contains("adaptive");
+  const auto most = adaptive ? static_cast<std::uint32_t>(mean_taken(film, wanted.pixels)) : taken.end;
+  const std::uint32_t asked = adaptive ? wanted.wanted : range.end - range.first;
+  if (most > asked) refuse(format("it has %u samples of a pixel, and %u are asked for", most, asked));
   return ResumedFilm{std::move(film), from, taken, file.info().seconds};
 }
 

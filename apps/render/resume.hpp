@@ -32,7 +32,8 @@ struct ResumedFilm {
 /// from.
 std::optional<ResumedFilm> resumed_film(const std::vector<std::filesystem::path>& outputs, const FilmInfo& wanted);
 
-/// Writes a file again and again while a render goes on, in a thread of its own, one write at a time.
+/// Writes a file, or does other such work, again and again while a render goes on, in a thread of its own, one write
+/// at a time.
 class RepeatedWriter {
  public:
   /// `write` may throw Error: `warn` is told, and the render goes on.

@@ -2,9 +2,12 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <string>
+
+#include "raylab/core/text.hpp"
 
 namespace raylab {
 
@@ -52,9 +55,15 @@ double Progress::expected_seconds(double fraction) const {
 void Progress::say(double fraction) const {
   const double elapsed = watch_.seconds();
   if (style_ == Style::bar) std::fprintf(stderr, "\r\033[K");
-  std::fprintf(stderr, "%5.1f%% after %.0f s", 100.0 * fraction, elapsed);
+  std::fprintf(stderr, "%5.1f%% after %.0f s%s", 100.0 * fraction, elapsed, error_text(", relMSE about ").c_str());
   if (fraction > done_) std::fprintf(stderr, ", about %.0f s left", expected_seconds(fraction) - elapsed);
   std::fprintf(stderr, "\n");
+}
+
+std::string Progress::error_text(const char* before) const {
+  const double relmse = error_;
+  if (relmse == 0.0) return "";
+  return before + format("%.3g%s", std::abs(relmse), relmse > 0.0 ? "" : " (not reliable)");
 }
 
 void Progress::print(double fraction) const {
@@ -63,9 +72,16 @@ void Progress::print(double fraction) const {
   if (style_ == Style::bar) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
-    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left \033[K", bar.c_str(), 100.0 * fraction, elapsed, left);
+    std::fprintf(stderr, "\r[%s] %5.1f%%  %.0f s, %.0f s left%s \033[K", bar.c_str(), 100.0 * fraction, elapsed, left,
+                 error_text(", relMSE ").c_str());
   } else if (style_ == Style::json) {
-    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f}\n", fraction, elapsed, left);
+    std::string error;
+    if (const double relmse = error_; relmse != 0.0) {
+      error = format(", \"estimated_relmse\": %.6g, \"estimated_relmse_reliable\": %s", std::abs(relmse),
+                     relmse > 0.0 ? "true" : "false");
+    }
+    std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f%s}\n", fraction, elapsed, left,
+                 error.c_str());
   } else {
     say(fraction);
   }

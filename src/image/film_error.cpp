@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 
 #include "raylab/core/parallel.hpp"
 #include "raylab/core/text.hpp"
@@ -116,8 +117,20 @@ RelmseEstimator::RelmseEstimator(bool sobol) : sobol_(sobol), bins_(2048) {}
 
 void RelmseEstimator::add(const Film& film, int first, int count) {
   std::vector<Seen> seen[3] = {{}, seen_row(film, first - 1), seen_row(film, first)};
-  std::uint32_t known_n = 0;  // whose factors these are
-  double factor = 0.0, doubt = 0.0;
+  struct Factors {
+    double gain, doubt;
+  };
+  // By numbers of samples, of which even a film that has more where the error is has few.
+  std::unordered_map<std::uint32_t, Factors> known;
+  const auto factors_of = [&known](std::uint32_t n) {
+    const auto [at, is_new] = known.try_emplace(n);
+    if (is_new) {
+      at->second = {gain_factor(n, 1.6), (gain_factor(n, 1.5) - gain_factor(n, 2.0)) / 2.0};
+      // Too little of the octave is taken for it to say much.
+      if (!(at->second.gain < 4.0)) at->second = {0.0, 0.0};
+    }
+    return at->second;
+  };
   for (int y = first; y < first + count; ++y) {
     seen[0] = std::move(seen[1]);
     seen[1] = std::move(seen[2]);
@@ -152,19 +165,13 @@ void RelmseEstimator::add(const Film& film, int first, int count) {
         octave_variance_ += variance;
         continue;
       }
-      if (n != known_n) {
-        known_n = n;
-        factor = gain_factor(n, 1.6);
-        doubt = (gain_factor(n, 1.5) - gain_factor(n, 2.0)) / 2.0;
-        // Too little of the octave is taken for it to say much.
-        if (!(factor < 4.0)) factor = doubt = 0.0;
-      }
+      const Factors factors = factors_of(n);
       const double octave_variance = sum(weight * *octaves);
       octave_variance_ += octave_variance;
-      const double gain = factor * (variance - octave_variance);
+      const double gain = factors.gain * (variance - octave_variance);
       gain_ += gain;
       gain_squares_ += gain * gain;
-      gain_doubt_ += doubt * (variance - octave_variance);
+      gain_doubt_ += factors.doubt * (variance - octave_variance);
     }
   }
 }

@@ -37,6 +37,14 @@ PixelRect region_of(const RenderOptions& o) {
   if (0xffffffffu - o.first_sample < o.samples_per_pixel) {
     throw Error(ErrorKind::usage, "--samples", "sample indices end at 4294967295");
   }
+  if (o.adaptive && o.first_sample != 0) {
+    throw Error(ErrorKind::usage, "--adaptive",
+                "takes samples where the error of the whole picture is, and no part of them: --samples cannot be used");
+  }
+  if (o.adaptive && 0xffffffffu / SampleMap::kMost < o.samples_per_pixel) {
+    throw Error(ErrorKind::usage, "--adaptive",
+                "takes up to " + std::to_string(0xffffffffu / SampleMap::kMost) + " samples per pixel");
+  }
   const PixelRect all{0, 0, o.width, o.height};
   if (!o.crop) return all;
   const PixelRect& c = *o.crop;
@@ -107,15 +115,19 @@ RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator,
       film_(film ? std::move(*film) : Film(options.width, options.height)) {
   RAYLAB_CHECK(film_.width() == options.width && film_.height() == options.height);
   std::uint64_t all_taken = 0;
+  const std::uint32_t most =
+      options.adaptive ? SampleMap::kMost * options.samples_per_pixel : options.samples_per_pixel;
   fewest_taken_ = options.samples_per_pixel;
   for (int y = region_.y; y < region_.y + region_.height; ++y) {
     for (int x = region_.x; x < region_.x + region_.width; ++x) {
-      const std::uint32_t taken = std::min(film_.taken(x, y), options.samples_per_pixel);
+      const std::uint32_t taken = std::min(film_.taken(x, y), most);
       all_taken += taken;
       fewest_taken_ = std::min(fewest_taken_, taken);
     }
   }
   samples_taken_ = all_taken;
+  samples_wanted_ = static_cast<std::uint64_t>(region_.width) * static_cast<std::uint64_t>(region_.height) *
+                    options.samples_per_pixel;
 }
 
 RenderSession::~RenderSession() { stop(); }
@@ -158,9 +170,13 @@ void RenderSession::run() {
   for (std::uint32_t done = 0; done < options_.samples_per_pixel && !stop_.load(std::memory_order_relaxed);) {
     // As many as all passes before: few of them, while at no time one pixel has over twice the samples of another.
     const std::uint32_t wanted = std::max(options_.pass_samples, std::min(done, options_.most_pass_samples));
-    done += std::min(wanted, options_.samples_per_pixel - done);
-    if (done < fewest_taken_) continue;
-    render_pass(done);
+    const bool decides = options_.adaptive && !map_ && options_.samples_per_pixel > SampleMap::kPilot &&
+                         done < SampleMap::kPilot && done + wanted >= SampleMap::kPilot;
+    done = decides ? SampleMap::kPilot : done + std::min(wanted, options_.samples_per_pixel - done);
+    if (map_) counts_ = map_->counts(done);
+    if (!decides && !map_ && done < fewest_taken_) continue;
+    render_pass(done, film_);
+    if (decides) make_map();
     enough = options_.target_error && reached(done);
     if (enough) break;
   }
@@ -170,25 +186,38 @@ void RenderSession::run() {
   finished_.store(enough || !stop_.load(std::memory_order_relaxed) || progress() >= 1.0, std::memory_order_release);
 }
 
-/// Whether all pixels have exactly so many samples, and the error is reliably no more than asked for: of a film that
-/// was gone on from, pixels that have more say that at this place it was not.
-bool RenderSession::reached(std::uint32_t target) const {
+/// Whether all pixels have exactly so many samples as the pass gives, and the error is reliably no more than asked for:
+/// of a film that was gone on from, pixels that have more say that at this place it was not.
+bool RenderSession::reached(std::uint32_t pass) const {
   for (int y = region_.y; y < region_.y + region_.height; ++y) {
     for (int x = region_.x; x < region_.x + region_.width; ++x) {
-      if (film_.taken(x, y) != target) return false;
+      if (film_.taken(x, y) != target(x, y, pass)) return false;
     }
   }
   const RelmseEstimate error = estimated_error();
   return error.reliable && error.relmse <= *options_.target_error;
 }
 
-void RenderSession::render_pass(std::uint32_t target) {
+/// Once all pixels have the samples that decide. Where a film was gone on from that has more, they are rendered again.
+void RenderSession::make_map() {
+  bool has_more = false;
+  for (int y = region_.y; y < region_.y + region_.height; ++y) {
+    for (int x = region_.x; x < region_.x + region_.width; ++x) has_more |= film_.taken(x, y) != SampleMap::kPilot;
+  }
+  std::optional<Film> pilot;
+  if (has_more) render_pass(SampleMap::kPilot, pilot.emplace(film_.width(), film_.height()));
+  if (stop_.load(std::memory_order_relaxed)) return;
+  map_.emplace(pilot ? *pilot : film_, region_);
+  samples_wanted_ = map_->counts(options_.samples_per_pixel).total;
+}
+
+void RenderSession::render_pass(std::uint32_t pass, Film& film) {
   parallel_for(tiles_.size(), [&](std::size_t i) {
-    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], target);
+    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], pass, film);
   });
 }
 
-void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
+void RenderSession::render_tile(const PixelRect& tile, std::uint32_t pass, Film& film) {
   // Gathered apart and added at the end: the film is locked once a tile, and a snapshot never sees half a sample.
   Film gathered(tile.width, tile.height);
   RenderStats stats;
@@ -228,9 +257,10 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
     const int x = pixel % tile.width, y = pixel / tile.width;
     const PixelSeed seed(options_.seed, static_cast<std::uint32_t>(tile.x + x), static_cast<std::uint32_t>(tile.y + y));
     // No other thread writes to this tile's pixels.
-    for (std::uint32_t done = film_.taken(tile.x + x, tile.y + y); done < target;) {
+    const std::uint32_t wanted = target(tile.x + x, tile.y + y, pass);
+    for (std::uint32_t done = film.taken(tile.x + x, tile.y + y); done < wanted;) {
       const std::uint32_t room = static_cast<std::uint32_t>(PathBatch::kMost - paths.count);
-      const std::uint32_t taking = std::min(room, target - done);
+      const std::uint32_t taking = std::min(room, wanted - done);
       runs.push_back({x, y, paths.count, taking});
       paths.add(tile.x + x, tile.y + y, seed, options_.first_sample + done, taking);
       done += taking;
@@ -242,15 +272,19 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
   }
   if (paths.count != 0) trace();
   if (taken == 0) return;
-  samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
-  film_.add(gathered, tile.x, tile.y);
+  film.add(gathered, tile.x, tile.y);
+  if (&film != &film_) {
+    stats_.rays.add(stats.rays);
+    return;
+  }
+  samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   stats_.add(stats);
 }
 
 double RenderSession::progress() const {
-  const double all = static_cast<double>(region_.width) * region_.height * options_.samples_per_pixel;
-  return static_cast<double>(samples_taken_.load(std::memory_order_relaxed)) / all;
+  const auto taken = static_cast<double>(samples_taken_.load(std::memory_order_relaxed));
+  return std::min(taken / static_cast<double>(samples_wanted_.load(std::memory_order_relaxed)), 1.0);
 }
 
 Film RenderSession::snapshot() const {

@@ -1,4 +1,7 @@
 #pragma once
+#include <atomic>
+#include <string>
+
 #include "raylab/core/timing.hpp"
 
 namespace raylab {
@@ -14,6 +17,9 @@ class Progress {
   /// Call often; prints when it is time to.
   void update(double fraction);
 
+  /// The estimated relMSE of what is done, which is shown from now on. From any thread.
+  void set_error(double relmse, bool reliable) { error_ = reliable ? relmse : -relmse; }
+
   /// Prints a line now, whatever the kind, as SIGUSR1 asks for.
   void say(double fraction) const;
 
@@ -25,11 +31,14 @@ class Progress {
 
  private:
   void print(double fraction) const;
+  /// "BEFORE0.0012", and where it is not reliable so much; empty where it is not known.
+  std::string error_text(const char* before) const;
 
   enum class Style { bar, lines, json, none } style_;
   double done_;
   Stopwatch watch_;
   double last_ = 0.0;
+  std::atomic<double> error_{0.0};  // negative: not reliable; 0: not known
 };
 
 }  // namespace raylab

@@ -12,19 +12,11 @@
 #include "raylab/image/film.hpp"
 #include "raylab/image/film_error.hpp"
 #include "raylab/render/integrator.hpp"
+#include "raylab/render/pixel_rect.hpp"
+#include "raylab/render/sample_map.hpp"
 #include "raylab/scene/camera.hpp"
 
 namespace raylab {
-
-/// Pixels [x, x + width) x [y, y + height), from the top left.
-struct PixelRect {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-
-  bool operator==(const PixelRect&) const = default;
-};
 
 /// What to render of a scene and how.
 struct RenderOptions {
@@ -40,6 +32,7 @@ struct RenderOptions {
   int tile_size = 16;                    ///< pixels; changes no result
   std::uint32_t pass_samples = 16;       ///< of the first pass; changes no result
   std::uint32_t most_pass_samples = 64;  ///< later passes take as many as all before, up to this
+  bool adaptive = false;                 ///< samples_per_pixel is the mean of what a SampleMap gives each pixel
   std::optional<double> target_error;    ///< ends after the first pass whose error is no more, by a reliable estimate
   std::optional<SceneNeeds> needs;       ///< absent: what scene_needs() says
 };
@@ -126,9 +119,14 @@ class RenderSession {
  private:
   /// Whether the samples of a pixel are points of a net.
   bool is_net() const { return options_.sampler == SamplerKind::sobol && options_.first_sample == 0; }
-  bool reached(std::uint32_t target) const;
-  void render_pass(std::uint32_t target);
-  void render_tile(const PixelRect& tile, std::uint32_t target);
+  bool reached(std::uint32_t pass) const;
+  /// Samples that a pixel is to have after the pass that ends at so many, of the film that is rendered.
+  std::uint32_t target(int x, int y, std::uint32_t pass) const {
+    return counts_ ? map_->samples(*counts_, x, y) : pass;
+  }
+  void render_pass(std::uint32_t pass, Film& film);
+  void render_tile(const PixelRect& tile, std::uint32_t pass, Film& film);
+  void make_map();
 
   RenderOptions options_;
   PixelRect region_;
@@ -136,13 +134,16 @@ class RenderSession {
   Camera camera_;
   Integrator integrator_;
   std::vector<PixelRect> tiles_;
-  std::uint32_t fewest_taken_ = 0;  // of the film that was gone on from
+  std::uint32_t fewest_taken_ = 0;           // of the film that was gone on from
+  std::optional<SampleMap> map_;             // of an adaptive render, once it is known
+  std::optional<SampleMap::Counts> counts_;  // and what it says of the pass
 
   mutable std::mutex mutex_;  // guards film_ and stats_
   Film film_;
   RenderStats stats_;
   std::optional<Stopwatch> running_;  // guarded by mutex_
   std::atomic<std::uint64_t> samples_taken_{0};
+  std::atomic<std::uint64_t> samples_wanted_{0};  // in all
   std::atomic<bool> stop_{false};
   std::atomic<bool> finished_{false};
   std::condition_variable ended_changed_;
