@@ -126,6 +126,36 @@ int runs_of(const RenderSuiteOptions& options, int spp) {
   return spp < most ? 2 * options.repeats : options.repeats;
 }
 
+/// The work of all configurations with so many samples per pixel, one more of each being the warm-up.
+double spp_work(const RenderSuiteOptions& options, const RenderOptions& size, std::size_t configurations, int spp) {
+  return static_cast<double>(configurations) * (1.0 + static_cast<double>(spp) * runs_of(options, spp)) * size.width *
+         size.height;
+}
+
+/// The fields that say what a configuration's row with so many samples per pixel is of, the accelerator's own aside.
+Row point_row(const SceneContext& context, const Configuration& configuration, int spp) {
+  const RenderOptions o = options_for(context, configuration, spp, 0);
+  Row row = scene_row(context);
+  add_fields(row, configuration.variant);
+  row["triangles"] = context.loaded.scene.geometry.triangle_count();
+  row["spheres"] = context.loaded.scene.geometry.spheres.size();
+  add_fields(row, o);
+  if (o.integrator.ray_offset == RayOffset::book) row["ray_offset"] = "book";
+  return row;
+}
+
+/// The row that was measured of it before the run was interrupted.
+Row known_row(const Suite& suite, const Row& point) {
+  const auto is_known = [&](const Row& row) {
+    return has_values(row, point) && name_of(row) == name_of(point) && !row.contains("question");
+  };
+  const std::vector<Row>& rows = suite.folder().results().rows;
+  const auto found = std::find_if(rows.begin(), rows.end(), is_known);
+  if (found == rows.end())
+    throw Error(ErrorKind::input, suite.folder().path().string(), "lacks rows that its run has measured");
+  return *found;
+}
+
 /// Renders all configurations with one number of samples after the other, their runs interleaved.
 void measure_configurations(Suite& suite, const SceneContext& context, const std::vector<Configuration>& configurations,
                             const std::vector<Built>& built) {
@@ -133,6 +163,15 @@ void measure_configurations(Suite& suite, const SceneContext& context, const std
   std::vector<std::vector<ErrorAtTime>> points(configurations.size());
   std::vector<Row> last(configurations.size());
   for (const int spp : context.options.spp) {
+    const std::string part = context.file + format(" %d spp", spp);
+    if (suite.measured(part, spp_work(context.options, options_of(context.loaded, context.options.width),
+                                      configurations.size(), spp))) {
+      for (std::size_t i = 0; i < configurations.size(); ++i) {
+        last[i] = known_row(suite, point_row(context, configurations[i], spp));
+        points[i].push_back({last[i]["seconds"], last[i]["relmse"]});
+      }
+      continue;
+    }
     std::vector<Runs> runs(configurations.size());
     // The first run of each warms up and is measured again.
     for (int run = -1; run < runs_of(context.options, spp); ++run) {
@@ -149,10 +188,8 @@ void measure_configurations(Suite& suite, const SceneContext& context, const std
     }
     for (std::size_t i = 0; i < configurations.size(); ++i) {
       const RenderOptions o = options_for(context, configurations[i], spp, 0);
-      Row row = scene_row(context);
+      Row row = point_row(context, configurations[i], spp);
       add_fields(row, configurations[i].variant, scene.geometry, built[i]);
-      add_fields(row, o);
-      if (o.integrator.ray_offset == RayOffset::book) row["ray_offset"] = "book";
       add_times(row, runs[i].seconds, work_of(o));
       row["cpu_seconds"] = spread_of(runs[i].cpu_seconds).median;
       const double rays = 1e-6 * static_cast<double>(runs[i].rays.total());
@@ -164,8 +201,12 @@ void measure_configurations(Suite& suite, const SceneContext& context, const std
       suite.add({row}, {line_of(row)});
       last[i] = row;
     }
+    suite.end_part(part);
   }
+  const std::string part = context.file + " time to error";
+  if (suite.measured(part)) return;
   for (std::size_t i = 0; i < configurations.size(); ++i) add_time_to_error(context, suite, last[i], points[i]);
+  suite.end_part(part);
 }
 
 /// Returns the relMSE that the peer's pictures have against their own mean. Where its model is not quite ours this is
@@ -286,7 +327,7 @@ int render(const RenderSuiteOptions& given) {
     (void)parse_integrator(configuration.integrator);
     (void)parse_sampler(configuration.sampler);
   }
-  Suite suite(options.out, "render", options.command_line);
+  Suite suite(options, "render");
   const InterruptGuard guard;
   const ThreadLimit limit(options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
@@ -305,14 +346,14 @@ int render(const RenderSuiteOptions& given) {
   for (const std::string& file : options.scenes) {
     scenes.push_back(load(suite, file));
     const RenderOptions o = options_of(scenes.back(), options.width);
-    double samples = 2.0 * (options.reference_spp / 2);
-    for (const int spp : options.spp) {
-      samples += static_cast<double>(configurations.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
-    }
-    suite.expect(samples * o.width * o.height);
+    double work = 2.0 * (options.reference_spp / 2) * o.width * o.height;
+    for (const int spp : options.spp) work += spp_work(options, o, configurations.size(), spp);
+    suite.expect(work);
+    (void)suite.measured(file, work);
   }
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const LoadedScene& loaded = scenes[i];
+    if (suite.measured(options.scenes[i])) continue;
     std::vector<Built> built;
     for (const Configuration& configuration : configurations)
       built.push_back(build(configuration.variant, loaded.scene.geometry, threads));
@@ -323,12 +364,22 @@ int render(const RenderSuiteOptions& given) {
                       reference.relmse, reference.mean_ratio_error));
     const SceneContext context{options.scenes[i], loaded, reference, options, threads};
     measure_configurations(suite, context, configurations, built);
-    compare_pictures(suite, context, configurations, built);
+    if (const std::string part = context.file + " differences"; !suite.measured(part)) {
+      compare_pictures(suite, context, configurations, built);
+      suite.end_part(part);
+    }
     if (options_for(context, Configuration(), 1, 0).width < kPeerWidth && !peers.empty()) {
       suite.note(format("%s: no peers below a width of %d pixels", loaded.scene.name.c_str(), kPeerWidth));
+      suite.end_part(context.file);
       continue;
     }
-    for (const Peer& peer : peers) measure_peer(suite, context, peer);
+    for (const Peer& peer : peers) {
+      const std::string part = context.file + " " + peer.name + ":" + peer.variant;
+      if (suite.measured(part)) continue;
+      measure_peer(suite, context, peer);
+      suite.end_part(part);
+    }
+    suite.end_part(context.file);
   }
   suite.finish();
   return 0;
