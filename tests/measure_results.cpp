@@ -63,6 +63,28 @@ TEST_CASE("a row measured anew takes the place of the old one, and the rest of t
   CHECK(read.runs.size() == 2);
 }
 
+TEST_CASE("a run that is gone on with keeps its measured parts alone, and what was there before it",
+          "[unit][measure]") {
+  const TempFolder folder;
+  ResultsFolder(folder.path(), "rays", "other").add({row("exact", 0.5)});
+  {
+    ResultsFolder first(folder.path(), "rays", "command");
+    first.add({row("bvh", 2.5)}, "a");
+    first.add({row("list", 0.5)});
+    CHECK_FALSE(first.measured("a"));  // in this run it may be measured twice
+  }
+  {
+    ResultsFolder second(folder.path(), "rays", "command", true);
+    CHECK(second.resumed());
+    CHECK(second.measured("a"));
+    CHECK_FALSE(second.measured("b"));
+    CHECK(second.results().rows == std::vector<Row>{row("exact", 0.5), row("bvh", 2.5)});
+    second.finish();
+  }
+  CHECK(ResultsFolder(folder.path(), "rays", "command", true).measured("b"));  // as it came to its end
+  CHECK_FALSE(ResultsFolder(folder.path(), "rays", "command").measured("a"));
+}
+
 TEST_CASE("the key of a row is what it measures, not what came out", "[unit][measure]") {
   CHECK(row_key(row("bvh", 1.0)) == row_key(row("bvh", 2.0)));
   CHECK(row_key(row("bvh", 1.0)) != row_key(row("list", 1.0)));
