@@ -163,12 +163,12 @@ class ShotRender {
     const Stopwatch watch;
     session.start();
     while (!session.wait_for(0.05)) {
-      const double done = session.progress();
-      progress.update(done);
+      const double done = session.progress(), share = session.time_share();
+      progress.update(done, share);
       checkpoints.write_every(
-          checkpoint_interval(job_.command, progress.expected_seconds(done), checkpoints.last_seconds()));
+          checkpoint_interval(job_.command, progress.expected_seconds(done, share), checkpoints.last_seconds()));
       if (job_.command.write_every) pictures.write_every(*job_.command.write_every);
-      if (QuestionGuard::asked()) progress.say(done);
+      if (QuestionGuard::asked()) progress.say(done, share);
       if (!stopped_by_.empty()) continue;
       if (InterruptGuard::interrupted()) stopped_by_ = "interrupt";
       if (job_.command.time_limit && watch.seconds() >= *job_.command.time_limit) stopped_by_ = "--time-limit";

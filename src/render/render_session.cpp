@@ -116,6 +116,15 @@ RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator,
     }
   }
   samples_taken_ = all_taken;
+  std::vector<std::uint64_t> left;
+  for (const PixelRect& tile : tiles_) {
+    left.push_back(0);
+    for (int y = tile.y; y < tile.y + tile.height; ++y) {
+      for (int x = tile.x; x < tile.x + tile.width; ++x)
+        left.back() += options.samples_per_pixel - std::min(film_.taken(x, y), options.samples_per_pixel);
+    }
+  }
+  work_ = TileWork(left);
 }
 
 RenderSession::~RenderSession() { stop(); }
@@ -184,11 +193,13 @@ bool RenderSession::reached(std::uint32_t target) const {
 
 void RenderSession::render_pass(std::uint32_t target) {
   parallel_for(tiles_.size(), [&](std::size_t i) {
-    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], target);
+    if (!stop_.load(std::memory_order_relaxed)) render_tile(i, target);
   });
 }
 
-void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
+void RenderSession::render_tile(std::size_t index, std::uint32_t target) {
+  const PixelRect& tile = tiles_[index];
+  const Stopwatch watch;
   // Gathered apart and added at the end: the film is locked once a tile, and a snapshot never sees half a sample.
   Film gathered(tile.width, tile.height);
   RenderStats stats;
@@ -242,15 +253,21 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t target) {
   }
   if (paths.count != 0) trace();
   if (taken == 0) return;
-  samples_taken_.fetch_add(taken, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
+  work_.add(index, taken, watch.seconds());
   film_.add(gathered, tile.x, tile.y);
   stats_.add(stats);
+  samples_taken_.fetch_add(taken, std::memory_order_relaxed);  // after their work, as who sees them asks for that next
 }
 
 double RenderSession::progress() const {
   const double all = static_cast<double>(region_.width) * region_.height * options_.samples_per_pixel;
   return static_cast<double>(samples_taken_.load(std::memory_order_relaxed)) / all;
+}
+
+double RenderSession::time_share() const {
+  const std::lock_guard lock(mutex_);
+  return work_.share();
 }
 
 Film RenderSession::snapshot() const {

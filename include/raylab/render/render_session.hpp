@@ -12,6 +12,7 @@
 #include "raylab/image/film.hpp"
 #include "raylab/image/film_error.hpp"
 #include "raylab/render/integrator.hpp"
+#include "raylab/render/tile_work.hpp"
 #include "raylab/scene/camera.hpp"
 
 namespace raylab {
@@ -103,6 +104,10 @@ class RenderSession {
   /// Samples taken so far over samples asked for, in [0, 1].
   double progress() const;
 
+  /// Share of the time that this run takes, by what each tile has taken so far: where tiles differ, samples mislead.
+  /// Above 0 once progress() has grown.
+  double time_share() const;
+
   /// What has been gathered. Only while nothing is rendered.
   const Film& film() const { return film_; }
 
@@ -128,7 +133,7 @@ class RenderSession {
   bool is_net() const { return options_.sampler == SamplerKind::sobol && options_.first_sample == 0; }
   bool reached(std::uint32_t target) const;
   void render_pass(std::uint32_t target);
-  void render_tile(const PixelRect& tile, std::uint32_t target);
+  void render_tile(std::size_t index, std::uint32_t target);
 
   RenderOptions options_;
   PixelRect region_;
@@ -138,9 +143,10 @@ class RenderSession {
   std::vector<PixelRect> tiles_;
   std::uint32_t fewest_taken_ = 0;  // of the film that was gone on from
 
-  mutable std::mutex mutex_;  // guards film_ and stats_
+  mutable std::mutex mutex_;  // guards film_, stats_ and work_
   Film film_;
   RenderStats stats_;
+  TileWork work_;
   std::optional<Stopwatch> running_;  // guarded by mutex_
   std::atomic<std::uint64_t> samples_taken_{0};
   std::atomic<bool> stop_{false};
