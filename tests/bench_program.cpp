@@ -468,7 +468,7 @@ TEST_CASE("an interrupted raylab-bench keeps the rows it has and says so", "[cli
                   kCornell, "--rays", "2000", "--checked", "10", "--repeats", "100", "--out", folder.path().string()});
   INFO(run.err);
   CHECK(run.exit_code == 130);
-  CHECK(run.err.find("interrupted; what was measured is written\n") != std::string::npos);
+  CHECK(run.err.find("interrupted; what was measured is written, and --resume goes on from it\n") != std::string::npos);
   const Results results = read_results(folder.path());
   CHECK(results.runs[0]["complete"] == false);
   CHECK(results.rows.size() >= 11);

@@ -28,6 +28,10 @@ TEST_CASE("the time that is left goes by what was done of all, and not by what a
       const double expected = progress.expected_seconds(done);
       CHECK(expected >= scale * least * (1.0 - 1e-12));
       CHECK(expected <= scale * outer.seconds() * (1.0 + 1e-12));
+      // A share of the time that is known takes its place.
+      const double by_share = progress.expected_seconds(done, 0.5);
+      CHECK(by_share >= 2.0 * least);
+      CHECK(by_share <= 2.0 * outer.seconds());
     }
   }
 }

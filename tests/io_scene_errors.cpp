@@ -66,6 +66,14 @@ TEST_CASE("views without a name of their own, or that look nowhere, are refused"
                       {"[[view]]\nname = \"a\"\nlook_at = [0, 0, 0]\n", "3:11", {"view.0", "the same point"}}});
 }
 
+TEST_CASE("a scene file of a later version is refused by it, whatever else it holds", "[unit]") {
+  InputFolder folder;
+  expect_all(folder, {{"unknown = 3\nversion = 2\n", "2:11", {"version: found 2", "scene files of version 1"}},
+                      {"version = 0\n", "1:11", {"version: found 0", "at least 1"}},
+                      {"version = \"1\"\n", "1:11", {"version: found \"1\"", "an integer"}}});
+  CHECK(folder.load("version = 1\n[camera]\nvfov = 33\n").camera.vfov == 33.0f);
+}
+
 TEST_CASE("an unknown key is refused with the nearest known one", "[unit]") {
   InputFolder folder;
   expect_all(folder, {{"[camrea]\nvfov = 3\n", "1:2", {"unknown key \"camrea\"", "\"camera\""}},

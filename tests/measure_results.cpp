@@ -63,6 +63,28 @@ TEST_CASE("a row measured anew takes the place of the old one, and the rest of t
   CHECK(read.runs.size() == 2);
 }
 
+TEST_CASE("a run that is gone on with keeps its measured parts alone, and what was there before it",
+          "[unit][measure]") {
+  const TempFolder folder;
+  ResultsFolder(folder.path(), "rays", "other").add({row("exact", 0.5)});
+  {
+    ResultsFolder first(folder.path(), "rays", "command");
+    first.add({row("bvh", 2.5)}, "a");
+    first.add({row("list", 0.5)});
+    CHECK_FALSE(first.measured("a"));  // in this run it may be measured twice
+  }
+  {
+    ResultsFolder second(folder.path(), "rays", "command", true);
+    CHECK(second.resumed());
+    CHECK(second.measured("a"));
+    CHECK_FALSE(second.measured("b"));
+    CHECK(second.results().rows == std::vector<Row>{row("exact", 0.5), row("bvh", 2.5)});
+    second.finish();
+  }
+  CHECK(ResultsFolder(folder.path(), "rays", "command", true).measured("b"));  // as it came to its end
+  CHECK_FALSE(ResultsFolder(folder.path(), "rays", "command").measured("a"));
+}
+
 TEST_CASE("the key of a row is what it measures, not what came out", "[unit][measure]") {
   CHECK(row_key(row("bvh", 1.0)) == row_key(row("bvh", 2.0)));
   CHECK(row_key(row("bvh", 1.0)) != row_key(row("list", 1.0)));
@@ -171,12 +193,31 @@ TEST_CASE("results.json that holds something else is refused with the place insi
   refused("[]", "the document: expected an object");
   refused("{\"rows\": []}", "machine: expected an object");
   refused("{\"machine\": {}}", "rows: expected an array");
+  refused("{\"version\": \"1\"}", "version: expected an integer, at least 1");
+  refused("{\"version\": 0}", "version: expected an integer, at least 1");
   refused("{\"machine\": {}, \"rows\": [{\"suite\": \"rays\"}, 7]}", "rows[1]: expected an object");
   refused("{\"machine\": {}, \"rows\": [{\"scene\": \"box\"}]}", "rows[0]: suite: expected a string");
   refused("{\"machine\": {}, \"rows\": [{\"suite\": \"rays\", \"threads\": \"two\"}]}",
           "rows[0]: threads: expected an integer");
   expect_error(ErrorKind::input, (folder / "absent/results.json").string(), {"cannot be read"},
                [&] { (void)read_results(folder / "absent"); });
+}
+
+TEST_CASE("results say the version of their format, and those of a later one are refused by it", "[unit][measure]") {
+  const TempFolder folder;
+  const auto results = [&] { return read_results(folder.path()); };
+  ResultsFolder(folder.path(), "rays", "command").add({row("bvh", 2.5)});
+  std::string text = read_text(folder / "results.json");
+  const std::string version = "\"version\": 1,";
+  const std::size_t at = text.find(version);
+  REQUIRE(at != std::string::npos);
+  write_text(folder / "results.json", text.replace(at, version.size(), ""));  // as before there were versions
+  CHECK(results().rows.size() == 1);
+  write_text(folder / "results.json", text.insert(at, "\"version\": 2,"));
+  expect_error(ErrorKind::input, (folder / "results.json").string(),
+               {"its results are of format version 2, and this program reads 1"}, results);
+  expect_error(ErrorKind::input, (folder / "results.json").string(), {"format version 2"},
+               [&] { ResultsFolder(folder.path(), "rays", "command"); });
 }
 
 TEST_CASE("results of another machine are not added to", "[unit][measure]") {

@@ -371,10 +371,11 @@ TEST_CASE("a picture that cannot be written at the end is kept, and the next run
                     kept = small.path().string() + "/tmp";
   fs::create_directory(folder);
   fs::create_directory(kept);
-  // The folder goes away while it renders, as a disk that fills or a share that is unmounted does.
-  const ProgramResult result =
-      run_program("/bin/sh", {"-c", "export TMPDIR=\"$0\"; \"$@\" & sleep 0.2; rm -r \"" + folder + "\"; wait $!", kept,
-                              kProgram, small.scene, "-o", output, "--spp", "1000000000", "--time-limit", "0.5s"});
+  // The folder goes away while it renders, as a disk that fills or a share that is unmounted does. Quietly too, it is
+  // said what is not lost.
+  const ProgramResult result = run_program(
+      "/bin/sh", {"-c", "export TMPDIR=\"$0\"; \"$@\" & sleep 0.2; rm -r \"" + folder + "\"; wait $!", kept, kProgram,
+                  small.scene, "-o", output, "--spp", "1000000000", "--time-limit", "0.5s", "-q"});
   CHECK(result.exit_code == 4);
   const std::string checkpoint = kept + "/out.exr.checkpoint.exr";
   CHECK(contains(result.err, "the render is kept in " + checkpoint));
@@ -384,6 +385,15 @@ TEST_CASE("a picture that cannot be written at the end is kept, and the next run
       render(small, {"-o", output, "--spp", "1000000000", "--resume", "--time-limit", "0.05s"});
   expect_success(resumed);
   CHECK(contains(resumed.out, "resumed    " + output + ".checkpoint.exr with"));
+}
+
+TEST_CASE("an interrupted render that is quiet says where it is kept, on standard error", "[cli][film]") {
+  const SmallScene small;
+  const std::string output = (small / "out.exr").string();
+  const ProgramResult result = render(small, {"-o", output, "--spp", "1000000000", "-q"}, "INT", 0.3);
+  CHECK(result.exit_code == 130);
+  CHECK(result.out.empty());
+  CHECK(contains(result.err, "the render is kept in " + output + ".checkpoint.exr: --resume goes on from it\n"));
 }
 
 TEST_CASE("other names of a file that is replaced keep what they have, which is said", "[cli][film]") {

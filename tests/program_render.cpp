@@ -210,6 +210,7 @@ TEST_CASE("a model is rendered as it is, and the scene made for it can be kept o
   CHECK(raylab_render({scene, "-o", again}).exit_code == 0);
   CHECK(read_text(picture) == read_text(again));
   const std::string text = read_text(scene);
+  CHECK(text.starts_with("version = 1\n"));
   const ProgramResult second = raylab_render({model, "-o", picture, "--write-scene", scene});
   CHECK(second.exit_code == 4);
   CHECK(second.err.find("is there already") != std::string::npos);

@@ -163,7 +163,7 @@ std::optional<RenderCommand> parse_command(int argc, char** argv, int& exit_code
       ->capture_default_str();
   app.add_flag("--check", command.check, "Load the scene, say how it was understood and what it needs, render nothing");
   app.add_flag("--list-accels", command.list_accels, "List the accelerators");
-  app.add_flag("-q,--quiet", command.quiet, "Print nothing but errors");
+  app.add_flag("-q,--quiet", command.quiet, "Print nothing but errors, and where an unfinished render is kept");
 
   if (!parse_or_tell(app, argc, argv, exit_code)) return std::nullopt;
   command.progress = progress_names.at(progress);

@@ -165,13 +165,13 @@ class ShotRender {
     const Stopwatch watch;
     session.start();
     while (!session.wait_for(0.05)) {
-      const double done = session.progress();
-      progress.update(done);
+      const double done = session.progress(), share = session.time_share();
+      progress.update(done, share);
       checkpoints.write_every(
-          checkpoint_interval(job_.command, progress.expected_seconds(done), checkpoints.last_seconds()));
+          checkpoint_interval(job_.command, progress.expected_seconds(done, share), checkpoints.last_seconds()));
       errors.write_every(error_interval(errors.last_seconds()));
       if (job_.command.write_every) pictures.write_every(*job_.command.write_every);
-      if (QuestionGuard::asked()) progress.say(done);
+      if (QuestionGuard::asked()) progress.say(done, share);
       if (!stopped_by_.empty()) continue;
       if (InterruptGuard::interrupted()) stopped_by_ = "interrupt";
       if (job_.command.time_limit && watch.seconds() >= *job_.command.time_limit) stopped_by_ = "--time-limit";
@@ -219,26 +219,30 @@ class ShotRender {
     write_film_picture(checkpoint_, picture_of(session, report_so_far(session)));
   }
 
-  /// Writes the checkpoint where it belongs or, where that cannot be, among the system's temporary files, and says so.
+  /// Writes the checkpoint where it belongs or, where that cannot be, among the system's temporary files, and says so,
+  /// be it quiet or not.
   void keep(const RenderSession& session) {
     const std::filesystem::path usual = checkpoint_;
     try {
       write_checkpoint(session);
     } catch (const std::exception& e) {
-      job_.warn(e.what());
+      job_.warn_always(e.what());
       std::error_code none;
       checkpoint_ = std::filesystem::temp_directory_path(none) / usual.filename();
       try {
         write_checkpoint(session);
       } catch (const std::exception& second) {
-        job_.warn(second.what());
+        job_.warn_always(second.what());
         checkpoint_.clear();
         return;
       }
-      job_.warn("so the render is kept in " + checkpoint_.string() + ": as " + usual.string() + " --resume takes it");
+      job_.warn_always("so the render is kept in " + checkpoint_.string() + ": as " + usual.string() +
+                       " --resume takes it");
       return;
     }
-    if (!interrupted()) job_.warn("the render is kept in " + checkpoint_.string() + ": --resume goes on from it");
+    // An interrupted render says it with its report, where it is not quiet.
+    if (!interrupted() || job_.command.quiet)
+      job_.warn_always("the render is kept in " + checkpoint_.string() + ": --resume goes on from it");
   }
 
   void write_outputs(const RenderSession& session, const RenderReport& report, bool as_float) const {
@@ -309,7 +313,11 @@ class ShotRender {
 }  // namespace
 
 void Job::warn(const std::string& warning) const {
-  if (!command.quiet) std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
+  if (!command.quiet) warn_always(warning);
+}
+
+void Job::warn_always(const std::string& warning) const {
+  std::fprintf(stderr, "raylab-render: warning: %s\n", warning.c_str());
 }
 
 bool render_shot(const Job& job, const Shot& shot, const Files& outputs) {

@@ -15,7 +15,8 @@ struct Job {
   const Accelerator& accelerator;
   double load_seconds;
 
-  void warn(const std::string& warning) const;
+  void warn(const std::string& warning) const;  ///< unless it is quiet
+  void warn_always(const std::string& warning) const;
 };
 
 using Files = std::vector<std::filesystem::path>;

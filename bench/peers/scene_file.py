@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from wavefront import InputError, Part, read_mtl, read_obj
 
+VERSION = 1  # of the format of scene files; those that name none are of the first
 LIGHT_COPY_OFFSET = 1e-5
 BLACK = {"type": "lambertian", "albedo": [0.0] * 3}
 
@@ -48,6 +49,8 @@ class SceneFile:
             raise InputError(f"{file}: {error.strerror}") from error
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise InputError(f"{file}: {error}") from error
+        if (version := description.get("version", VERSION)) not in range(1, VERSION + 1):
+            raise InputError(f"{file}: version: found {version}, and this program reads {VERSION}")
         self.name = file.stem
         self.folder = file.resolve().parent
         settings = description.get("render", {})

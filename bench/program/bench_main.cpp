@@ -15,9 +15,15 @@ namespace {
 
 using namespace bench;
 
-void add_common(CLI::App& command, CommonOptions& options) {
+void add_folder(CLI::App& command, CommonOptions& options) {
   command.add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
       ->capture_default_str();
+  command.add_flag("--resume", options.resume,
+                   "Go on with the run of this command that was interrupted: what it measured is not measured again");
+}
+
+void add_common(CLI::App& command, CommonOptions& options) {
+  add_folder(command, options);
   command.add_option("--repeats", options.repeats, "Repeats of each measurement")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -227,8 +233,7 @@ CLI::App* add_scale(CLI::App& app, ScaleOptions& options) {
 CLI::App* add_stability(CLI::App& app, StabilityOptions& options) {
   CLI::App* command =
       app.add_subcommand("stability", "Known failures: how often each method fails, against what breaks it");
-  command->add_option("--out", options.out, "Folder of the results; what it holds stays, but for rows measured anew")
-      ->capture_default_str();
+  add_folder(*command, options);
   command->add_option("--seed", options.seed, "Seed of all random numbers")->capture_default_str();
   command->add_option("--case", options.cases, "Names or numbers of cases, comma separated (default: all)")
       ->delimiter(',');
@@ -352,8 +357,9 @@ int bench_main(int argc, char** argv) {
     try {
       return run(argc, argv);
     } catch (const Interrupted&) {
-      std::fprintf(stderr, "raylab-bench: interrupted; %s\n",
-                   Suite::any_written() ? "what was measured is written" : "nothing was written");
+      std::fprintf(
+          stderr, "raylab-bench: interrupted; %s\n",
+          Suite::any_written() ? "what was measured is written, and --resume goes on from it" : "nothing was written");
       return kInterrupted;
     }
   });

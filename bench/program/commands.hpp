@@ -14,6 +14,7 @@ struct CommonOptions {
   bool compact = false;
   int repeats = 5;
   std::uint32_t seed = 0;
+  bool resume = false;
   std::string command_line;
 };
 

@@ -211,8 +211,8 @@ std::vector<Way> own_ways(const Accelerator& accelerator, const Rays& set) {
        }}};
 }
 
-void measure(Suite& suite, const Scene& scene, const Built& built, const Accelerator& bvh, const Rays& set,
-             int repeats) {
+void measure(Suite& suite, const Scene& scene, const Built& built, const Accelerator& bvh, const Rays& set, int repeats,
+             const std::string& part) {
   std::vector<Way> ways = own_ways(*built.accelerator, set);
   ways.push_back(own_ways(bvh, set).back());
   ways.back().name = "bvh batch";
@@ -252,13 +252,14 @@ void measure(Suite& suite, const Scene& scene, const Built& built, const Acceler
   row["rays_timed"] = set.rays.size();
   row["batch_of_fastest_bare"] = batch / fastest;
   row["bvh_of_fastest_bare"] = bvh_batch / fastest;
-  suite.add({row}, {line + format("; batch of the fastest bare %.2f, bvh %.2f", batch / fastest, bvh_batch / fastest)});
+  suite.add({row}, {line + format("; batch of the fastest bare %.2f, bvh %.2f", batch / fastest, bvh_batch / fastest)},
+            part);
 }
 
 }  // namespace
 
 int embree(const RaysOptions& options) {
-  Suite suite(options.out, "embree", options.command_line);
+  Suite suite(options, "embree");
   const InterruptGuard guard;
   constexpr double kKinds = 4.0;
   suite.expect(2.0 * kKinds * static_cast<double>(options.scenes.size()));
@@ -271,7 +272,8 @@ int embree(const RaysOptions& options) {
     for (const char* name : {"embree", "embree-robust"}) {
       const Built built = build({name, "", BuildQuality::balanced, false}, scene.geometry, 1);
       for (const Rays& set : sets) {
-        if (!set.rays.empty()) measure(suite, scene, built, *bvh, set, options.repeats);
+        const std::string part = file + " " + set.kind + " " + name;
+        if (!set.rays.empty() && !suite.measured(part)) measure(suite, scene, built, *bvh, set, options.repeats, part);
         suite.advance(1.0);
       }
     }

@@ -360,12 +360,14 @@ void SceneMeasurement::run() {
 
 int needs(const NeedsOptions& options) {
   (void)variants(options);
-  Suite suite(options.out, "needs", options.command_line);
+  Suite suite(options, "needs");
   const InterruptGuard guard;
   const ThreadLimit limit(options.threads);
   for (const std::string& file : options.scenes) {
     const LoadedScene loaded = load(suite, file);
+    if (suite.measured(file)) continue;
     SceneMeasurement(suite, loaded, file, options).run();
+    suite.end_part(file);
   }
   suite.finish();
   return 0;

@@ -75,10 +75,16 @@ int process(const ProcessOptions& given) {
             std::greater<>());  // "scene" first, which "all" is compared with
   const std::string program = find_render_program(options.render_program);
   const std::size_t variants = variants_or_default(options).size();
-  Suite suite(options.out, "process", options.command_line);
+  Suite suite(options, "process");
   const InterruptGuard guard;
-  suite.expect(static_cast<double>(options.scenes.size() * variants * options.needs.size()) * options.repeats);
-  for (const std::string& file : options.scenes) measure(suite, program, file, options);
+  const double runs = static_cast<double>(variants * options.needs.size()) * options.repeats;
+  suite.expect(runs * static_cast<double>(options.scenes.size()));
+  for (const std::string& file : options.scenes) {
+    load(suite, file, options.overrides);  // tells its warnings, and whether it is that of a resumed run
+    if (suite.measured(file, runs)) continue;
+    measure(suite, program, file, options);
+    suite.end_part(file);
+  }
   suite.finish();
   return 0;
 }

@@ -53,7 +53,8 @@ class TimedAccelerator final : public Accelerator {
   mutable std::atomic<double> intersect_seconds_{0.0}, occluded_seconds_{0.0};
 };
 
-void measure(Suite& suite, const LoadedScene& loaded, const Variant& variant, const ProfileOptions& options) {
+void measure(Suite& suite, const LoadedScene& loaded, const Variant& variant, const ProfileOptions& options,
+             const std::string& part) {
   const Scene& scene = loaded.scene;
   const Built built = build(variant, scene.geometry, 1);
   RenderOptions o = options_of(loaded, options.width);
@@ -79,23 +80,28 @@ void measure(Suite& suite, const LoadedScene& loaded, const Variant& variant, co
   row["occluded_seconds"] = to_row(spread_of(occluded));
   row["accelerator_share"] = to_row(spread_of(shares));
   row["estimated_relmse"] = estimated_relmse;
-  suite.add({row}, {format("%-12s %-18s %.1f%% of %.3f s in the accelerator: closest hits %.3f s, shadow rays %.3f s; "
-                           "estimated relMSE %.4f",
-                           scene.name.c_str(), variant.name().c_str(), 100.0 * spread_of(shares).median,
-                           spread_of(seconds).median, spread_of(intersect).median, spread_of(occluded).median,
-                           estimated_relmse)});
+  suite.add(
+      {row},
+      {format("%-12s %-18s %.1f%% of %.3f s in the accelerator: closest hits %.3f s, shadow rays %.3f s; "
+              "estimated relMSE %.4f",
+              scene.name.c_str(), variant.name().c_str(), 100.0 * spread_of(shares).median, spread_of(seconds).median,
+              spread_of(intersect).median, spread_of(occluded).median, estimated_relmse)},
+      part);
 }
 
 }  // namespace
 
 int profile(const ProfileOptions& options) {
   const std::vector<Variant> all = variants_or_default(options);
-  Suite suite(options.out, "profile", options.command_line);
+  Suite suite(options, "profile");
   const InterruptGuard guard;
   const ThreadLimit limit(1);
   for (const std::string& file : options.scenes) {
     const LoadedScene loaded = load(suite, file);
-    for (const Variant& variant : all) measure(suite, loaded, variant, options);
+    for (const Variant& variant : all) {
+      const std::string part = file + " " + variant.name();
+      if (!suite.measured(part)) measure(suite, loaded, variant, options, part);
+    }
   }
   suite.finish();
   return 0;

@@ -1,5 +1,7 @@
 #include "ray_measurement.hpp"
 
+#include <optional>
+
 #include "raylab/measure/batch_queries.hpp"
 #include "raylab/measure/ray_timing.hpp"
 
@@ -59,24 +61,39 @@ std::vector<Row> measure_rays(Suite& suite, const std::string& suite_name, const
 }  // namespace
 
 int run_ray_suite(const std::string& name, const RaysOptions& options, const BuildAll& build_all,
-                  const Describe& describe) {
-  Suite suite(options.out, name, options.command_line);
+                  const Describe& describe, const Known& known) {
+  Suite suite(options, name);
   const InterruptGuard guard;
   constexpr double kKinds = 5.0;
   suite.expect(kKinds * static_cast<double>(options.scenes.size()));
   for (const std::string& file : options.scenes) {
     const LoadedScene loaded = load(suite, file);
     const Scene& scene = loaded.scene;
-    const std::vector<Built> built = build_all(scene.geometry, suite);
-    const HitChecker check_hits(scene.geometry);
+    // Made once there are rays to be measured.
+    std::vector<Built> built;
+    std::optional<HitChecker> check_hits;
     for (const RaySet& set : scene_ray_sets(loaded, options)) {
+      const std::string part = file + " " + std::string(ray_kind_name(set.kind));
       if (set.rays.empty()) {
         suite.note(scene.name + " has no " + std::string(ray_kind_name(set.kind)) + " rays");
+      } else if (suite.measured(part)) {
+        const Row of_part{{"suite", name},
+                          {"scene", scene.name},
+                          {"rays", ray_kind_name(set.kind)},
+                          {"triangles", scene.geometry.triangle_count()},
+                          {"spheres", scene.geometry.spheres.size()}};
+        for (const Row& row : suite.folder().results().rows) {
+          if (has_values(row, of_part)) known(row);
+        }
       } else {
-        std::vector<Row> rows = measure_rays(suite, name, scene, set, built, check_hits, options);
+        if (built.empty()) {
+          built = build_all(scene.geometry, suite);
+          check_hits.emplace(scene.geometry);
+        }
+        std::vector<Row> rows = measure_rays(suite, name, scene, set, built, *check_hits, options);
         std::vector<std::string> lines;
         for (std::size_t i = 0; i < rows.size(); ++i) lines.push_back(describe(i, rows[i]));
-        suite.add(rows, lines);
+        suite.add(rows, lines, part);
       }
       suite.advance(1.0);
     }

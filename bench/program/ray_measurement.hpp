@@ -16,11 +16,14 @@ namespace raylab::bench {
 using BuildAll = std::function<std::vector<Built>(const Geometry& geometry, Suite& suite)>;
 /// What a suite adds to the row of the accelerator with that index; the line that people read of it.
 using Describe = std::function<std::string(std::size_t index, Row& row)>;
+/// What a suite makes of a row that was measured before the run was interrupted.
+using Known = std::function<void(const Row& row)>;
 
 /// A suite over the rays that the scenes' own paths send, and rays at their edges and vertices: for each kind of
 /// rays all accelerators, timed in turns, then checked, and a row for each of them. Returns the exit code.
-int run_ray_suite(const std::string& name, const RaysOptions& options, const BuildAll& build_all,
-                  const Describe& describe);
+int run_ray_suite(
+    const std::string& name, const RaysOptions& options, const BuildAll& build_all, const Describe& describe,
+    const Known& known = [](const Row&) {});
 
 /// Speeds and errors of such a row, for people.
 std::string speed_text(const Row& row);

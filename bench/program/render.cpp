@@ -84,7 +84,7 @@ int render(const RenderSuiteOptions& given) {
     (void)parse_integrator(configuration.integrator);
     (void)parse_sampler(configuration.sampler);
   }
-  Suite suite(options.out, "render", options.command_line);
+  Suite suite(options, "render");
   const InterruptGuard guard;
   const ThreadLimit limit(options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
@@ -108,9 +108,12 @@ int render(const RenderSuiteOptions& given) {
       samples += static_cast<double>(configurations.size()) * (1.0 + static_cast<double>(spp) * runs_of(options, spp));
     }
     suite.expect(samples * o.width * o.height);
+    (void)suite.measured(file, samples * o.width * o.height);
   }
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const LoadedScene& loaded = scenes[i];
+    // A scene is gone on with from its beginning: those that take turns are compared run by run.
+    if (suite.measured(options.scenes[i])) continue;
     std::vector<Built> built;
     for (const Configuration& configuration : configurations)
       built.push_back(build(configuration.variant, loaded.scene.geometry, threads));
@@ -125,6 +128,7 @@ int render(const RenderSuiteOptions& given) {
       suite.note(format("%s: no peers below a width of %d pixels", loaded.scene.name.c_str(), kPeerWidth));
     measure_in_turns(suite, context, configurations, built, too_narrow ? std::vector<Peer>() : peers);
     compare_pictures(suite, context, configurations, built);
+    suite.end_part(options.scenes[i]);
   }
   suite.finish();
   return 0;

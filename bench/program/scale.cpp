@@ -108,11 +108,13 @@ int scale(const ScaleOptions& options) {
   std::vector<std::size_t> sizes;
   for (std::size_t size = kFewest; size <= options.largest; size *= 10) sizes.push_back(size);
 
-  Suite suite(options.out, "scale", options.command_line);
+  Suite suite(options, "scale");
   const InterruptGuard guard;
   for (const std::size_t size : sizes) suite.expect(static_cast<double>(families.size() * size));
   for (const std::string& family : families) {
     for (const std::size_t size : sizes) {
+      const std::string all_threads = family + " " + std::to_string(size);
+      if (suite.measured(all_threads, static_cast<double>(size))) continue;
       const ScaleFamily made = make_scale_family(family, size, options.rays, options.seed);
       const HitChecker check_hits(made.geometry);
       const FamilyContext context{family, made};
@@ -123,6 +125,8 @@ int scale(const ScaleOptions& options) {
       };
       const int most_threads = size == sizes.back() ? hardware_threads() : 1;
       for (int threads = 1; threads <= most_threads; ++threads) {
+        const std::string part = all_threads + format(", %d threads", threads);
+        if (suite.measured(part)) continue;
         std::vector<Built> built;
         std::vector<const Accelerator*> accelerators;
         for (const Variant& v : all) {
@@ -153,8 +157,10 @@ int scale(const ScaleOptions& options) {
         for (std::size_t i = 0; i < built.size(); ++i) {
           add_row(suite, context, built[i], threads, speeds[i], accuracies[i]);
         }
+        suite.end_part(part);
       }
       suite.advance(static_cast<double>(size));
+      suite.end_part(all_threads);
     }
   }
   suite.finish();

@@ -54,10 +54,11 @@ int stability(const StabilityOptions& options) {
   }
   const std::size_t rays = options.quick ? std::min<std::size_t>(options.rays, 1000) : options.rays;
 
-  Suite suite(options.out, "stability", options.command_line);
+  Suite suite(options, "stability");
   const InterruptGuard guard;
   for (const StabilityCase* tried : cases) suite.expect(static_cast<double>(tried->values.size()));
   for (const StabilityCase* tried : cases) {
+    if (suite.measured(tried->name, static_cast<double>(tried->values.size()))) continue;
     const std::vector<StabilityMethod> methods = stability_methods(*tried, choice);
     std::vector<Row> rows;
     std::vector<std::string> failed_from(methods.size());
@@ -79,7 +80,7 @@ int stability(const StabilityOptions& options) {
       lines.push_back(format("%2d %-18s %-34s %s", tried->id, tried->name.c_str(), methods[i].name().c_str(),
                              failed_from[i].empty() ? "holds" : failed_from[i].c_str()));
     }
-    suite.add(rows, lines);
+    suite.add(rows, lines, tried->name);
   }
   suite.finish();
   return 0;

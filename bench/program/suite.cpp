@@ -14,13 +14,26 @@ bool written = false;
 
 bool Suite::any_written() { return written; }
 
+Suite::Suite(const CommonOptions& options, const std::string& name)
+    : folder_(options.out, name, options.command_line, options.resume), progress_(ProgressKind::automatic) {
+  if (!options.resume) return;
+  note(folder_.resumed() ? "goes on with the run that began at " + folder_.results().runs.back().value("date", "?")
+                         : "--resume: " + options.out + " has no such run to go on with, so all is measured");
+}
+
 void Suite::check(double ahead) {
   progress_.update(expected_ > 0.0 ? std::min(1.0, (done_ + ahead) / expected_) : 0.0);
   if (InterruptGuard::interrupted()) throw Interrupted{};
 }
 
-void Suite::add(const std::vector<Row>& rows, const std::vector<std::string>& lines) {
-  folder_.add(rows);
+bool Suite::measured(const std::string& part, double work) {
+  if (!folder_.measured(part)) return false;
+  advance(work);
+  return true;
+}
+
+void Suite::add(const std::vector<Row>& rows, const std::vector<std::string>& lines, const std::string& part) {
+  folder_.add(rows, part);
   written = true;
   progress_.finish(1.0);
   for (const std::string& line : lines) std::printf("%s\n", line.c_str());
@@ -38,8 +51,11 @@ void Suite::finish() {
   note("wrote " + (folder_.path() / "results.json").string());
 }
 
-LoadedScene load(Suite& suite, const std::string& file) {
-  LoadedScene loaded = load_scene(file);
+LoadedScene load(Suite& suite, const std::string& file, const std::vector<std::string>& overrides) {
+  LoadOptions options;
+  options.overrides = overrides;
+  LoadedScene loaded = load_scene(file, options);
+  suite.folder().note_scene(file, loaded.hash);
   loaded.scene.name = std::filesystem::path(file).stem().string();
   for (const std::string& warning : loaded.warnings) suite.note("warning: " + warning);
   return loaded;

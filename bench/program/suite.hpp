@@ -24,8 +24,7 @@ struct Interrupted {};
 class Suite {
  public:
   /// Throws as ResultsFolder's constructor.
-  Suite(const std::filesystem::path& folder, const std::string& name, const std::string& command)
-      : folder_(folder, name, command), progress_(ProgressKind::automatic) {}
+  Suite(const CommonOptions& options, const std::string& name);
 
   /// Work to be done in all, in any unit, and work done since the last call.
   void expect(double work) { expected_ += work; }
@@ -34,8 +33,12 @@ class Suite {
   /// Shows the progress; throws Interrupted when the user wants to stop. `ahead` is work under way.
   void check(double ahead = 0.0);
 
-  /// Writes the rows to the folder, and a line on standard output for each.
-  void add(const std::vector<Row>& rows, const std::vector<std::string>& lines);
+  /// Whether a part was measured before the run that is gone on with was interrupted. Its work is then done.
+  bool measured(const std::string& part, double work = 0.0);
+
+  /// Writes the rows to the folder, and a line on standard output for each. See ResultsFolder::add for parts.
+  void add(const std::vector<Row>& rows, const std::vector<std::string>& lines, const std::string& part = "");
+  void end_part(const std::string& part) { add({}, {}, part); }
 
   /// A line on standard error, the bar out of the way.
   void note(const std::string& line);
@@ -43,6 +46,7 @@ class Suite {
   void finish();
 
   ResultsFolder& folder() { return folder_; }
+  const ResultsFolder& folder() const { return folder_; }
 
   /// Whether rows were written, in this process.
   static bool any_written();
@@ -54,8 +58,9 @@ class Suite {
   double done_ = 0.0;
 };
 
-/// Loads the scene, telling its warnings; its name is that of the file without folder and ending.
-LoadedScene load(Suite& suite, const std::string& file);
+/// Loads the scene, telling its warnings; its name is that of the file without folder and ending. Throws Error (input)
+/// where it is not the scene of the run that is gone on with.
+LoadedScene load(Suite& suite, const std::string& file, const std::vector<std::string>& overrides = {});
 
 /// An accelerator and, where it has a choice, its triangle test and how it is built.
 struct Variant {

@@ -72,11 +72,17 @@ int threads(const ProcessOptions& options) {
   const std::string program = find_render_program(options.render_program);
   const std::vector<Variant> all = variants_or_default(options);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
-  Suite suite(options.out, "threads", options.command_line);
+  Suite suite(options, "threads");
   const InterruptGuard guard;
   suite.expect(static_cast<double>(options.scenes.size() * all.size()) * options.repeats);
   for (const std::string& file : options.scenes) {
-    for (const Variant& variant : all) measure(suite, program, file, variant, threads, options);
+    load(suite, file, options.overrides);  // tells its warnings, and whether it is that of a resumed run
+    for (const Variant& variant : all) {
+      const std::string part = file + " " + variant.name();
+      if (suite.measured(part, options.repeats)) continue;
+      measure(suite, program, file, variant, threads, options);
+      suite.end_part(part);
+    }
   }
   suite.finish();
   return 0;

@@ -4,11 +4,12 @@ import json
 from pathlib import Path
 
 SCHEMA = {field["name"]: field for field in json.loads(Path(__file__).with_name("schema.json").read_text())["fields"]}
+VERSION = 1  # of the format of results.json, as raylab-bench writes it; files without one are older
 TYPES = {"string": str, "strings": list, "boolean": bool, "integer": int, "number": (int, float)}
 
 
 class RowError(Exception):
-    """What is wrong with a row, by the row's place and the field's name."""
+    """What is wrong with a row, by the row's place and the field's name, or with the whole document."""
 
 
 class Row(dict):
@@ -48,8 +49,11 @@ def fault(row):
 
 
 def read_results(file):
-    """The document, with Rows for its rows. Raises RowError for a row that does not conform to the schema."""
+    """The document, with Rows for its rows. Raises RowError for a row that does not conform to the schema, and for a
+    document of a later version."""
     results = json.loads(file.read_text(encoding="utf-8"))
+    if (version := results.get("version", VERSION)) not in range(1, VERSION + 1):
+        raise RowError(f"its results are of format version {version}, and this program reads {VERSION}")
     rows = []
     for i, fields in enumerate(results["rows"]):
         if problem := fault(fields):

@@ -35,28 +35,28 @@ Progress::Progress(ProgressKind kind, double done) : done_(done) {
   }
 }
 
-void Progress::update(double fraction) {
+void Progress::update(double fraction, std::optional<double> share) {
   const double interval = style_ == Style::bar ? kBarSeconds : style_ == Style::lines ? kLineSeconds : kJsonSeconds;
   if (style_ == Style::none || watch_.seconds() - last_ < interval) return;
   last_ = watch_.seconds();
-  print(fraction);
+  print(fraction, share);
 }
 
 void Progress::finish(double fraction) {
   if (style_ == Style::bar) std::fprintf(stderr, "\r\033[K");
-  if (style_ == Style::json) print(fraction);
+  if (style_ == Style::json) print(fraction, {});
 }
 
-double Progress::expected_seconds(double fraction) const {
+double Progress::expected_seconds(double fraction, std::optional<double> share) const {
   if (fraction <= done_) return std::numeric_limits<double>::infinity();
-  return watch_.seconds() * (1.0 - done_) / (fraction - done_);
+  return share ? watch_.seconds() / *share : watch_.seconds() * (1.0 - done_) / (fraction - done_);
 }
 
-void Progress::say(double fraction) const {
+void Progress::say(double fraction, std::optional<double> share) const {
   const double elapsed = watch_.seconds();
   if (style_ == Style::bar) std::fprintf(stderr, "\r\033[K");
   std::fprintf(stderr, "%5.1f%% after %.0f s%s", 100.0 * fraction, elapsed, error_text(", relMSE about ").c_str());
-  if (fraction > done_) std::fprintf(stderr, ", about %.0f s left", expected_seconds(fraction) - elapsed);
+  if (fraction > done_) std::fprintf(stderr, ", about %.0f s left", expected_seconds(fraction, share) - elapsed);
   std::fprintf(stderr, "\n");
 }
 
@@ -66,9 +66,9 @@ std::string Progress::error_text(const char* before) const {
   return before + format("%.3g%s", std::abs(relmse), relmse > 0.0 ? "" : " (not reliable)");
 }
 
-void Progress::print(double fraction) const {
+void Progress::print(double fraction, std::optional<double> share) const {
   const double elapsed = watch_.seconds();
-  const double left = fraction > done_ ? expected_seconds(fraction) - elapsed : 0.0;
+  const double left = fraction > done_ ? expected_seconds(fraction, share) - elapsed : 0.0;
   if (style_ == Style::bar) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::string bar = std::string(full, '#') + std::string(kBarWidth - full, '.');
@@ -83,7 +83,7 @@ void Progress::print(double fraction) const {
     std::fprintf(stderr, "{\"progress\": %.6f, \"seconds\": %.3f, \"seconds_left\": %.3f%s}\n", fraction, elapsed, left,
                  error.c_str());
   } else {
-    say(fraction);
+    say(fraction, share);
   }
   std::fflush(stderr);
 }

@@ -80,7 +80,7 @@ std::string model_scene_text(const MeshWithMaterials& model, const MaterialLibra
   const RoundedNumbers number(view.radius);
   const dvec3 eye = view.center + view.distance * kBack;
 
-  std::string text = "[camera]\nlook_from = " + number(eye) + "\nlook_at = " + number(view.center) +
+  std::string text = "version = 1\n\n[camera]\nlook_from = " + number(eye) + "\nlook_at = " + number(view.center) +
                      "\nup = [0, 1, 0]\nvfov = " + number_text(kFieldOfView) +
                      "\n\n[render]\nwidth = " + std::to_string(options.width) +
                      "\nheight = " + std::to_string(options.height) + "\nsamples_per_pixel = 16\nmax_depth = 12\n\n";

@@ -6,6 +6,7 @@
 #include "model_scene.hpp"
 #include "overrides.hpp"
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
 #include "raylab/scene/needs.hpp"
 #include "scene_sections.hpp"
 #include "toml_reader.hpp"
@@ -13,11 +14,24 @@
 namespace raylab {
 namespace {
 
+/// Of the format of scene files. Files without one are of the first.
+constexpr int kVersion = 1;
+
+/// Refuses files of a later version: what their keys mean is not known here.
+void check_version(TableReader& reader) {
+  int version = kVersion;
+  if (reader.count("version", version) && version > kVersion) {
+    reader.table().find("version")->fail_here(
+        format("version: found %d, and this program reads scene files of version %d", version, kVersion));
+  }
+}
+
 /// Everything is checked before the first mesh is loaded, as that may take long.
 void read_scene(TomlValue& root, const std::filesystem::path& file, const std::filesystem::path& folder,
                 MaterialLibrary& library, MeshFiles& models, LoadedScene& loaded) {
   const dvec3 origin = move_to_origin(root);
   TableReader reader(root, "");
+  check_version(reader);
   reader.find("origin");
   const TomlValue* camera = reader.find("camera");
   const TomlValue* render = reader.find("render");

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>
 
+#include "measurement_run.hpp"
 #include "raylab/core/check.hpp"
 #include "raylab/core/error.hpp"
 #include "raylab/core/text.hpp"
@@ -20,13 +20,8 @@ namespace {
 
 constexpr const char* kJsonName = "results.json";
 constexpr const char* kCsvName = "results.csv";
-
-std::string utc_date() {
-  const std::time_t now = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  return text;
-}
+/// Of the format of results.json. Files without one are older than versions are, and are read as of the first.
+constexpr int kVersion = 1;
 
 /// "file:line:column" of a byte of the text.
 std::string place_of(const fs::path& file, std::string_view text, std::size_t byte) {
@@ -69,6 +64,18 @@ Row parse(const fs::path& file, const std::string& text) {
 
 void expect(bool condition, const fs::path& file, const std::string& where, const char* expected) {
   if (!condition) throw Error(ErrorKind::input, file.string(), where + ": expected " + expected);
+}
+
+/// Refuses files of a later version.
+void check_version(const Row& document, const fs::path& file) {
+  if (!document.contains("version")) return;
+  const Row& version = document["version"];
+  expect(version.is_number_integer() && version >= 1, file, "version", "an integer, at least 1");
+  if (version > kVersion) {
+    throw Error(
+        ErrorKind::input, file.string(),
+        "its results are of format version " + version.dump() + ", and this program reads " + std::to_string(kVersion));
+  }
 }
 
 void check_rows(const Row& rows, const fs::path& file) {
@@ -125,6 +132,13 @@ std::string row_key(const Row& row) {
   return key;
 }
 
+bool has_values(const Row& row, const Row& values) {
+  for (const auto& value : values.items()) {
+    if (!row.contains(value.key()) || row[value.key()] != value.value()) return false;
+  }
+  return true;
+}
+
 Results read_results(const fs::path& folder) {
   const fs::path file = folder / kJsonName;
   std::ifstream stream(file, std::ios::binary);
@@ -132,6 +146,7 @@ Results read_results(const fs::path& folder) {
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   const Row document = parse(file, text);
   expect(document.is_object(), file, "the document", "an object with \"machine\" and \"rows\"");
+  check_version(document, file);
   expect(document.contains("machine") && document["machine"].is_object(), file, "machine", "an object");
   expect(document.contains("rows"), file, "rows", "an array");
   check_rows(document["rows"], file);
@@ -168,8 +183,8 @@ std::string to_csv(const std::vector<Row>& rows) {
   return csv;
 }
 
-ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const std::string& command)
-    : folder_(made(std::move(folder))), lock_(folder_), command_(command) {
+ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const std::string& command, bool resume)
+    : folder_(made(std::move(folder))), lock_(folder_) {
   check_writable(folder_ / kJsonName);
   check_writable(folder_ / kCsvName);
   if (fs::exists(folder_ / kJsonName)) results_ = read_results(folder_);
@@ -178,11 +193,20 @@ ResultsFolder::ResultsFolder(fs::path folder, const std::string& suite, const st
     throw Error(ErrorKind::usage, folder_.string(), "holds results of another machine; choose another folder");
   }
   results_.machine = here;
-  std::erase_if(results_.runs, [&](const Row& run) { return run.value("command", "") == command; });
-  results_.runs.push_back({{"suite", suite}, {"command", command}, {"date", utc_date()}, {"complete", false}});
+  resumed_ = begin_run(results_.runs, suite, command, resume, folder_);
+  for (const std::string& key : keys_under_way(results_.runs.back()))
+    std::erase_if(results_.rows, [&](const Row& row) { return row_key(row) == key; });
 }
 
-void ResultsFolder::add(const std::vector<Row>& rows) {
+bool ResultsFolder::measured(const std::string& part) const {
+  return resumed_ && has_measured(results_.runs.back(), part);
+}
+
+void ResultsFolder::note_scene(const std::string& file, std::uint64_t hash) {
+  raylab::note_scene(results_.runs.back(), file, hash);
+}
+
+void ResultsFolder::add(const std::vector<Row>& rows, const std::string& part) {
   for (const Row& measured : rows) {
     const Row row = without_infinities(measured);
     if (const std::string fault = row_fault(row); !fault.empty())
@@ -195,21 +219,18 @@ void ResultsFolder::add(const std::vector<Row>& rows) {
     } else {
       results_.rows.push_back(row);
     }
+    note_row(results_.runs.back(), key);
   }
+  if (!part.empty()) note_part(results_.runs.back(), part);
   write();
 }
 
 void ResultsFolder::remove(const Row& values) {
-  std::erase_if(results_.rows, [&](const Row& row) {
-    for (const auto& value : values.items()) {
-      if (!row.contains(value.key()) || row[value.key()] != value.value()) return false;
-    }
-    return true;
-  });
+  std::erase_if(results_.rows, [&](const Row& row) { return has_values(row, values); });
 }
 
 void ResultsFolder::finish() {
-  results_.runs.back()["complete"] = true;
+  finish_run(results_.runs.back());
   write();
 }
 
@@ -223,9 +244,9 @@ void ResultsFolder::write() const {
     return text + (rows.empty() ? "]" : "\n ]");
   };
   // Before there are files, as where memory is out it may not throw.
-  const std::string document = "{\n \"machine\": " + json_text(results_.machine) +
-                               ",\n \"runs\": " + lines(results_.runs) + ",\n \"rows\": " + lines(results_.rows) +
-                               "\n}\n";
+  const std::string document =
+      "{\n \"version\": " + std::to_string(kVersion) + ",\n \"machine\": " + json_text(results_.machine) +
+      ",\n \"runs\": " + lines(results_.runs) + ",\n \"rows\": " + lines(results_.rows) + "\n}\n";
   const std::string table = to_csv(results_.rows);
   AtomicFile json(folder_ / kJsonName);
   json.stream() << document;

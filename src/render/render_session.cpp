@@ -128,6 +128,7 @@ RenderSession::RenderSession(const Scene& scene, const Accelerator& accelerator,
   samples_taken_ = all_taken;
   samples_wanted_ = static_cast<std::uint64_t>(region_.width) * static_cast<std::uint64_t>(region_.height) *
                     options.samples_per_pixel;
+  work_.set_left(samples_left());
 }
 
 RenderSession::~RenderSession() { stop(); }
@@ -209,15 +210,35 @@ void RenderSession::make_map() {
   if (stop_.load(std::memory_order_relaxed)) return;
   map_.emplace(pilot ? *pilot : film_, region_);
   samples_wanted_ = map_->counts(options_.samples_per_pixel).total;
+  const std::lock_guard lock(mutex_);
+  work_.set_left(samples_left());
+}
+
+std::vector<std::uint64_t> RenderSession::samples_left() const {
+  std::optional<SampleMap::Counts> counts;
+  if (map_) counts = map_->counts(options_.samples_per_pixel);
+  std::vector<std::uint64_t> left;
+  for (const PixelRect& tile : tiles_) {
+    left.push_back(0);
+    for (int y = tile.y; y < tile.y + tile.height; ++y) {
+      for (int x = tile.x; x < tile.x + tile.width; ++x) {
+        const std::uint32_t wanted = counts ? map_->samples(*counts, x, y) : options_.samples_per_pixel;
+        left.back() += wanted - std::min(film_.taken(x, y), wanted);
+      }
+    }
+  }
+  return left;
 }
 
 void RenderSession::render_pass(std::uint32_t pass, Film& film) {
   parallel_for(tiles_.size(), [&](std::size_t i) {
-    if (!stop_.load(std::memory_order_relaxed)) render_tile(tiles_[i], pass, film);
+    if (!stop_.load(std::memory_order_relaxed)) render_tile(i, pass, film);
   });
 }
 
-void RenderSession::render_tile(const PixelRect& tile, std::uint32_t pass, Film& film) {
+void RenderSession::render_tile(std::size_t index, std::uint32_t pass, Film& film) {
+  const PixelRect& tile = tiles_[index];
+  const Stopwatch watch;
   // Gathered apart and added at the end: the film is locked once a tile, and a snapshot never sees half a sample.
   Film gathered(tile.width, tile.height);
   RenderStats stats;
@@ -278,13 +299,19 @@ void RenderSession::render_tile(const PixelRect& tile, std::uint32_t pass, Film&
     stats_.rays.add(stats.rays);
     return;
   }
-  samples_taken_.fetch_add(taken, std::memory_order_relaxed);
+  work_.add(index, taken, watch.seconds());
   stats_.add(stats);
+  samples_taken_.fetch_add(taken, std::memory_order_relaxed);  // after their work, as who sees them asks for that next
 }
 
 double RenderSession::progress() const {
   const auto taken = static_cast<double>(samples_taken_.load(std::memory_order_relaxed));
   return std::min(taken / static_cast<double>(samples_wanted_.load(std::memory_order_relaxed)), 1.0);
+}
+
+double RenderSession::time_share() const {
+  const std::lock_guard lock(mutex_);
+  return work_.share();
 }
 
 Film RenderSession::snapshot() const {

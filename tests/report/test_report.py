@@ -346,6 +346,17 @@ class Stability(unittest.TestCase):
 
 
 class Program(unittest.TestCase):
+    def test_results_of_a_later_version_are_refused_by_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "results.json"
+            for version, code in ((2, 3), ("1", 3), (1, 0)):
+                file.write_text(json.dumps({"version": version, **results_of(rays_row("bvh", "diffuse", 5.0))}))
+                run = subprocess.run([sys.executable, REPORT / "report.py", folder], capture_output=True, text=True)
+                self.assertEqual(run.returncode, code, run.stderr)
+                if code:
+                    self.assertEqual(run.stderr, f"report.py: {file}: its results are of format version {version}, "
+                                                 "and this program reads 1\n")
+
     def test_a_module_that_is_missing_is_named_with_its_package(self):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "scipy.py").write_text("raise ModuleNotFoundError(name='scipy')")

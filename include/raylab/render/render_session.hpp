@@ -14,6 +14,7 @@
 #include "raylab/render/integrator.hpp"
 #include "raylab/render/pixel_rect.hpp"
 #include "raylab/render/sample_map.hpp"
+#include "raylab/render/tile_work.hpp"
 #include "raylab/scene/camera.hpp"
 
 namespace raylab {
@@ -96,6 +97,10 @@ class RenderSession {
   /// Samples taken so far over samples asked for, in [0, 1].
   double progress() const;
 
+  /// Share of the time that this run takes, by what each tile has taken so far: where tiles differ, samples mislead.
+  /// Above 0 once progress() has grown.
+  double time_share() const;
+
   /// What has been gathered. Only while nothing is rendered.
   const Film& film() const { return film_; }
 
@@ -125,7 +130,9 @@ class RenderSession {
     return counts_ ? map_->samples(*counts_, x, y) : pass;
   }
   void render_pass(std::uint32_t pass, Film& film);
-  void render_tile(const PixelRect& tile, std::uint32_t pass, Film& film);
+  void render_tile(std::size_t index, std::uint32_t pass, Film& film);
+  /// Samples that each tile is yet to have.
+  std::vector<std::uint64_t> samples_left() const;
   void make_map();
 
   RenderOptions options_;
@@ -138,9 +145,10 @@ class RenderSession {
   std::optional<SampleMap> map_;             // of an adaptive render, once it is known
   std::optional<SampleMap::Counts> counts_;  // and what it says of the pass
 
-  mutable std::mutex mutex_;  // guards film_ and stats_
+  mutable std::mutex mutex_;  // guards film_, stats_ and work_
   Film film_;
   RenderStats stats_;
+  TileWork work_;
   std::optional<Stopwatch> running_;  // guarded by mutex_
   std::atomic<std::uint64_t> samples_taken_{0};
   std::atomic<std::uint64_t> samples_wanted_{0};  // in all
