@@ -42,25 +42,32 @@ std::set<std::string> parts_in(const fs::path& folder) {
   return read_results(folder).runs.back().value("measured", std::set<std::string>());
 }
 
-/// Kills the command again and again, each time a little later, and goes on with it until its end.
-void kill_and_resume(const Arguments& arguments, const fs::path& folder) {
+/// Kills the command again and again, each time a little later, and goes on with it until its end. Returns how often.
+int killed_until_end(const Arguments& arguments, const fs::path& folder, double seconds) {
   static std::mt19937 random(7);
   const Arguments resumed = with(arguments, {"--resume", "--out", folder.string()});
-  double most = 0.3;
   int kills = 0;
   std::size_t parts = 0;
-  while (true) {
-    const double seconds = std::uniform_real_distribution(0.05, most)(random);
-    const ProgramResult result = stopped_bench(kills % 3 == 2 ? "TERM" : "KILL", seconds, resumed);
+  for (double most = seconds;; most *= 1.2) {
+    const double after = std::uniform_real_distribution(0.1 * most, most)(random);
+    const ProgramResult result = stopped_bench(kills % 3 == 2 ? "TERM" : "KILL", after, resumed);
     INFO(result.err);
-    if (result.exit_code == 0) break;
+    if (result.exit_code == 0) return kills;
     REQUIRE((result.exit_code == 137 || result.exit_code == 130));
     ++kills;
     REQUIRE(parts_in(folder).size() >= parts);  // nothing is lost
     parts = parts_in(folder).size();
-    most *= 1.2;
   }
-  CHECK(kills > 0);
+}
+
+/// The same, from the beginning and sooner where it had ended before it could be killed.
+void kill_and_resume(const Arguments& arguments, const fs::path& folder) {
+  double seconds = 0.3;
+  while (killed_until_end(arguments, folder, seconds) == 0) {
+    fs::remove_all(folder);
+    seconds /= 2.0;
+    REQUIRE(seconds > 1e-3);
+  }
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ def picture_row(accel, spp, seconds, relmse, **fields):
     return {"suite": "render", "scene": "box", "accel": accel, "integrator": "path", "sampler": "sobol", "threads": 2,
             "width": 8, "height": 8, "spp": spp, "seconds": seconds, "seconds_min": 0.9 * seconds,
             "seconds_max": 1.1 * seconds, "relmse": relmse, "relmse_error": 0.01 * relmse, "reference_relmse": 1e-4,
-            **fields}
+            "mean_ratio": 1.0, "mean_ratio_error": 0.001, **fields}
 
 
 def target_row(accel, seconds, extrapolated=False, **fields):
@@ -244,8 +244,19 @@ class Sentences(unittest.TestCase):
         scenes = {"box": results_of(picture_row("bvh", 4, 1.0, 0.04), picture_row("embree", 4, 1.05, 0.04),
                                     picture_row("bvh", 4, 3.0, 0.04, sampler="independent"))["rows"]}
         self.assertIn("differ in accelerator, sampler; no row here varies triangle test", render_charts.varied(scenes))
-        self.assertEqual(render_charts.cheapest(scenes), "The least error for its time: on box bvh (not to be told "
-                         "from embree), where bvh, independent takes 3 times as long for the same error.")
+        self.assertEqual(render_charts.cheapest(scenes, {}), "The least error for its time: on box bvh (not to be "
+                         "told from embree), where bvh, independent takes 3 times as long for the same error.")
+
+    def test_of_ways_that_took_turns_the_rounds_decide(self):
+        def goal(accel, mean, low, high):
+            return target_row(accel, 1.0, time_ratio={"mean": mean, "low": low, "high": high}, against="bvh", runs=4)
+        scenes = {"box": results_of(picture_row("bvh", 4, 1.0, 0.04))["rows"]}
+        goals = [target_row("bvh", 1.0), goal("embree", 1.05, 0.98, 1.2), goal("rtiow", 3.0, 2.5, 3.5)]
+        self.assertEqual(render_charts.cheapest(scenes, {"box": results_of(*goals)["rows"]}),
+                         "The least error for its time: on box bvh (not to be told from embree), where rtiow takes 3 "
+                         "times as long for the same error.")
+        self.assertTrue(answers.as_soon(goals[1], goals[0]))
+        self.assertFalse(answers.as_soon(goals[2], goals[0]))
 
     def test_a_time_that_was_not_measured_is_hollow_and_said_to_be_so(self):
         targets = {"box": results_of(target_row("bvh", 0.8, extrapolated=True), target_row("embree", 0.7))["rows"]}
@@ -254,7 +265,6 @@ class Sentences(unittest.TestCase):
         faces = {line.get_label(): line.get_markerfacecolor() for line in figure.axes[0].lines}
         self.assertEqual(sorted(face == "none" for face in faces.values()), [False, True])
         style.plt.close(figure)
-
 
     def test_pictures_of_two_sizes_are_not_compared(self):
         of_both = results_of(target_row("bvh", 0.5), target_row("bvh", 9.0, width=16), rays_row("bvh", "diffuse", 5.0))
