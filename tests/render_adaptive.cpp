@@ -164,15 +164,15 @@ TEST_CASE("threads, tiles, passes and instruction sets do not change a bit of an
     }
     CHECK(fewest >= 16);
     CHECK(most > 2 * fewest);
-    for (const int threads : {1, 3}) {
-      const ThreadLimit limit(threads);
-      for (const int tile : {1, 7, 64}) {
-        for (const std::uint32_t pass : {1u, 5u, 16u, 100u}) {
-          options.tile_size = tile;
-          options.pass_samples = pass;
-          CHECK(different_pixels(render(scene, options), reference) == 0);
-        }
-      }
+    struct Way {
+      int threads, tile;
+      std::uint32_t pass;
+    };
+    for (const Way& way : {Way{1, 7, 1}, Way{3, 7, 1}, Way{3, 1, 5}, Way{1, 64, 16}, Way{3, 7, 16}, Way{3, 64, 100}}) {
+      const ThreadLimit limit(way.threads);
+      options.tile_size = way.tile;
+      options.pass_samples = way.pass;
+      CHECK(different_pixels(render(scene, options), reference) == 0);
     }
     for (const Isa isa : kCompiledIsas) {
       if (!isa_supported(isa)) continue;
