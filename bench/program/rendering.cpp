@@ -112,6 +112,10 @@ std::size_t different_pixels(const Image& image, const Image& expected) {
 void add_fields(Row& row, const RenderOptions& options) {
   row["integrator"] = integrator_name(options.integrator.kind);
   row["sampler"] = sampler_name(options.sampler);
+  add_size(row, options);
+}
+
+void add_size(Row& row, const RenderOptions& options) {
   row["width"] = options.width;
   row["height"] = options.height;
   row["spp"] = options.samples_per_pixel;

@@ -35,6 +35,8 @@ std::size_t different_pixels(const Image& image, const Image& expected);
 
 /// Fields of a row that the settings of a render give.
 void add_fields(Row& row, const RenderOptions& options);
+/// Those of them that other renderers have too: the picture's size, samples and path segments.
+void add_size(Row& row, const RenderOptions& options);
 void add_fields(Row& row, const RunErrors& errors, const Reference& reference);
 
 /// Seconds, median and range, and paths per second of several runs.

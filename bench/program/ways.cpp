@@ -170,10 +170,7 @@ bool PeerWay::end(Suite& suite, int spp) {
   row["version"] = settings.version;
   row["settings"] = settings.settings;
   row["differences"] = settings.differences;
-  row["width"] = o.width;
-  row["height"] = o.height;
-  row["spp"] = o.samples_per_pixel;
-  row["max_depth"] = o.integrator.max_depth;
+  add_size(row, o);
   row["start_up_seconds"] = pictures_.front().start_up_seconds;
   row["relmse_noise"] = mean_of(runs_.relmse, 0, runs_.relmse.size());
   finish_row(std::move(row), work_of(o));
