@@ -190,6 +190,7 @@ TEST_CASE("an adaptive render goes on from a film to the same bits, with more sa
     RenderSession whole(scene, *accelerator, options);
     whole.run();
     CHECK(whole.progress() == 1.0);
+    CHECK(whole.time_share() == Approx(1.0));
     std::mt19937 random(4);
     std::optional<Film> film;
     for (const std::uint32_t samples : {7u, 16u, 17u, 33u, 64u, 70u}) {
@@ -217,6 +218,7 @@ TEST_CASE("an adaptive render goes on from a film to the same bits, with more sa
     RenderSession rest(scene, *accelerator, options, mixed);
     rest.run();
     CHECK(rest.film() == whole.film());
+    CHECK(rest.time_share() == Approx(1.0));
   }
 }
 
