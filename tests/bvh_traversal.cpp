@@ -100,7 +100,38 @@ std::vector<Ray> rays_along_columns(std::size_t columns, float height, std::size
   return rays;
 }
 
+/// Beams of 64 rays that fly together, from far and near, wide and narrow, from one point and from a disk: at vertices
+/// of the mesh, one ray of four exactly, so that many rays meet edges and vertices up to rounding.
+std::vector<Ray> beams(const TriangleMesh& mesh, float size, std::size_t count) {
+  UniformFloats random(11);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    const vec3 at = mesh.positions[i * 7919 % mesh.positions.size()];
+    const vec3 from = at + size * random(0.1f, 3.0f) * random.in_box(vec3(-1.0f), vec3(1.0f));
+    const float width = size * std::ldexp(1.0f, -static_cast<int>(i % 20));
+    const float lens = i % 3 == 0 ? 0.0f : 0.3f * width;
+    for (int ray = 0; ray < 64; ++ray) {
+      const vec3 target = at + (ray % 4 == 0 ? 0.0f : width) * random.in_box(vec3(-1.0f), vec3(1.0f));
+      const vec3 origin = from + lens * random.in_box(vec3(-1.0f), vec3(1.0f));
+      rays.push_back({origin, target - origin});
+      if (i % 5 == 0) rays.back().t_max = random(0.5f, 1.5f);
+    }
+  }
+  return rays;
+}
+
 }  // namespace
+
+TEST_CASE("bvh gives the hits of list to rays that fly together", "[agreement]") {
+  for (const float size : {1.0f, 1e-6f, 1e8f}) {
+    const Geometry meshes{{icosphere(vec3(0.0f), size, 3), triangle_soup(300, size, 0.3f * size, 5)}, {}};
+    check_equal_hits("meshes", meshes, beams(meshes.meshes[0], size, 60), {Intersector::watertight});
+    const Geometry far{{icosphere(vec3(size, 100.0f * size, 3.0f * size), size, 3)}, {}};
+    check_equal_hits("far from 0", far, beams(far.meshes[0], size, 40), {Intersector::watertight});
+  }
+  const Geometry mixed{{icosphere(vec3(0.1f), 0.6f, 2)}, sphere_soup(200, 1.0f, 0.2f, 3)};
+  check_equal_hits("with spheres", mixed, beams(mixed.meshes[0], 1.0f, 60), {Intersector::watertight});
+}
 
 TEST_CASE("bvh gives the hits of list, bit for bit, with every instruction set and intersector", "[agreement]") {
   const Geometry soup{{triangle_soup(1500, 1.0f, 0.3f, 1)}, {}};

@@ -64,6 +64,11 @@ class AxisOrder {
   F x_of(const Vec3<F>& v) const { return select(z_is_x_, v.y, select(z_is_y_, v.z, v.x)); }
   F y_of(const Vec3<F>& v) const { return select(z_is_x_, v.z, select(z_is_y_, v.x, v.y)); }
   F z_of(const Vec3<F>& v) const { return select(z_is_x_, v.x, select(z_is_y_, v.y, v.z)); }
+  /// Whether in all of the lanes that axis is z.
+  bool z_is(int axis, MaskOf<F> lanes) const {
+    const MaskOf<F> yes = axis == 0 ? z_is_x_ : (axis == 1 ? z_is_y_ : !(z_is_x_ | z_is_y_));
+    return !any(lanes & !yes);
+  }
 
  private:
   MaskOf<F> z_is_x_, z_is_y_;

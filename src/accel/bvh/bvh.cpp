@@ -46,7 +46,7 @@ class Bvh final : public Accelerator {
     }
     const bool has_blocks =
         std::ranges::any_of(geometry.meshes, [](const TriangleMesh& mesh) { return !mesh.triangles.empty(); });
-    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), geometry.spheres.data(), has_blocks};
+    view_ = {tree_.lines.data(), tree_.root, tree_.ids.data(), geometry.spheres.data(), has_blocks, tree_.nodes > 1};
     report_.seconds = watch.seconds();
     report_.bytes = sizeof(*this) + tree_.bytes();
     report_.primitives = tree_.primitives;

@@ -61,6 +61,37 @@ inline void compress(WideUInt x, WideMask m, std::uint32_t* p) {
 #endif
 }
 
+/// Four masks of sixteen, and sixteen triples of indices into them: the triples for which one of the masks, whichever,
+/// holds at all three, a bit each. The indices are aligned to 16 bytes.
+inline std::uint32_t common_to_all(const std::uint32_t (&masks)[4], const std::uint8_t* a, const std::uint8_t* b,
+                                   const std::uint8_t* c) {
+  using Bytes = Register<4>::Bytes;
+  using Longs = std::uint64_t __attribute__((vector_size(16)));
+  constexpr Bytes weights = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+  Bytes codes{};  // of each index its masks, a bit each
+  for (int i = 0; i < 4; ++i) {
+    const auto spread = [](std::uint32_t eight) { return (eight & 0xffu) * std::uint64_t{0x0101010101010101}; };
+    const Bytes of_mask = Bytes(Longs{spread(masks[i]), spread(masks[i] >> 8)}) & weights;
+    codes |= Bytes(of_mask != 0) & static_cast<std::uint8_t>(1 << i);
+  }
+  const auto look_up = [&](const std::uint8_t* index) {
+    Bytes at;
+    __builtin_memcpy(&at, __builtin_assume_aligned(index, 16), sizeof at);
+#if defined(__x86_64__)
+    return Bytes(native::shuffle_bytes(reinterpret_cast<__m128i>(codes), reinterpret_cast<__m128i>(at)));
+#else
+    return Bytes(vqtbl1q_u8(uint8x16_t(codes), uint8x16_t(at)));
+#endif
+  };
+  const Bytes common = Bytes((look_up(a) & look_up(b) & look_up(c)) != 0);
+#if defined(__x86_64__)
+  return static_cast<std::uint32_t>(_mm_movemask_epi8(reinterpret_cast<__m128i>(common)));
+#else
+  const uint8x16_t weighted = uint8x16_t(common & weights);
+  return vaddv_u8(vget_low_u8(weighted)) | static_cast<std::uint32_t>(vaddv_u8(vget_high_u8(weighted))) << 8;
+#endif
+}
+
 /// Puts sixteen numbers in the order of a table of sixteen indices, many times.
 class Permutation16 {
  public:

@@ -201,6 +201,28 @@ Float<N> next_down_positive(Float<N> x) {
   return typename Register<N>::Float(typename Register<N>::Int(x.v) - 1);
 }
 
+/// The least and the greatest of all lanes, none of which is NaN.
+inline float least(Float<4> x) {
+  const Float<4> two = min(x, Float<4>(__builtin_shufflevector(x.v, x.v, 2, 3, 0, 1)));
+  return min(two.v[0], two.v[1]);
+}
+inline float greatest(Float<4> x) {
+  const Float<4> two = max(x, Float<4>(__builtin_shufflevector(x.v, x.v, 2, 3, 0, 1)));
+  return max(two.v[0], two.v[1]);
+}
+#if defined(__AVX2__)
+inline Float<4> low_half(Float<8> x) { return __builtin_shufflevector(x.v, x.v, 0, 1, 2, 3); }
+inline Float<4> high_half(Float<8> x) { return __builtin_shufflevector(x.v, x.v, 4, 5, 6, 7); }
+inline float least(Float<8> x) { return least(min(low_half(x), high_half(x))); }
+inline float greatest(Float<8> x) { return greatest(max(low_half(x), high_half(x))); }
+#endif
+#if defined(__AVX512F__)
+inline Float<8> low_half(Float<16> x) { return __builtin_shufflevector(x.v, x.v, 0, 1, 2, 3, 4, 5, 6, 7); }
+inline Float<8> high_half(Float<16> x) { return __builtin_shufflevector(x.v, x.v, 8, 9, 10, 11, 12, 13, 14, 15); }
+inline float least(Float<16> x) { return least(min(low_half(x), high_half(x))); }
+inline float greatest(Float<16> x) { return greatest(max(low_half(x), high_half(x))); }
+#endif
+
 /// As many doubles as Float<N> has floats, in two registers.
 template <int N>
 requires(N <= kLanes) struct Double<N> {

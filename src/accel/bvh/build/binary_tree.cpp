@@ -166,7 +166,8 @@ class Builder {
     const bool parts_well = is_empty(other.shared) || scaled_area(other.shared, root_scale_) <= most_shared_area_;
     if (other.axis >= 0 && parts_well) return false;
     const Four scale = area_scale(range.bounds);
-    const SpatialSplit split = find_spatial_split(geometry_, references(range), range.bounds, scale);
+    const SpatialSplit split =
+        find_spatial_split(geometry_, references(range), range.room - range.end, range.bounds, scale);
     if (split.axis < 0 || !(split.cost < other.cost)) return false;
     std::vector<Primitive> in_left, in_right;
     partition_references(geometry_, references(range), split, scale, in_left, in_right);

@@ -105,16 +105,40 @@ class Slices {
 /// A sphere is on the side of its centre.
 float sphere_side(const Primitive& p, int axis) { return 0.5f * p.lower[axis] + 0.5f * p.upper[axis]; }
 
-void search_axis(const Geometry& geometry, std::span<const Primitive> references, int axis, const Slices& slices,
-                 Four scale, SpatialSplit& best) {
-  Box boxes[kMostBins];
+/// The first and the last bin that a reference reaches.
+struct Reach {
+  int first, last;
+
+  Reach(const Geometry& geometry, const Primitive& reference, int axis, const Slices& slices) {
+    const bool is_sphere = geometry.is_sphere(reference.geometry);
+    first = slices.first(is_sphere ? sphere_side(reference, axis) : reference.lower[axis]);
+    last = is_sphere ? first : std::max(first, slices.last(reference.upper[axis]));
+  }
+};
+
+/// Of the planes of one axis, those that part at most `spare` references. All of them are counted before one is cut,
+/// since cutting is what takes time: of primitives that lie on each other, for nothing.
+void search_axis(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare, int axis,
+                 const Slices& slices, Four scale, SpatialSplit& best) {
   std::uint32_t begins[kMostBins] = {}, ends[kMostBins] = {};
   for (const Primitive& reference : references) {
-    const bool is_sphere = geometry.is_sphere(reference.geometry);
-    const int first = slices.first(is_sphere ? sphere_side(reference, axis) : reference.lower[axis]);
-    const int last = is_sphere ? first : std::max(first, slices.last(reference.upper[axis]));
-    ++begins[first];
-    ++ends[last];
+    const Reach reach(geometry, reference, axis, slices);
+    ++begins[reach.first];
+    ++ends[reach.last];
+  }
+  bool has_room[kMostBins] = {}, any_has_room = false;
+  std::size_t begun = 0, ended = 0;
+  for (int bin = 1; bin < slices.bins(); ++bin) {
+    begun += begins[bin - 1];
+    ended += ends[bin - 1];
+    has_room[bin] = begun - ended <= spare;
+    any_has_room = any_has_room || has_room[bin];
+  }
+  if (!any_has_room) return;
+
+  Box boxes[kMostBins];
+  for (const Primitive& reference : references) {
+    const auto [first, last] = Reach(geometry, reference, axis, slices);
     Primitive rest = reference;
     for (int bin = first; bin < last && !is_empty(rest); ++bin) {
       const Sides sides = cut(geometry, rest, axis, slices.plane(bin + 1));
@@ -138,7 +162,7 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
   for (int bin = 1; bin < slices.bins(); ++bin) {
     box.extend(boxes[bin - 1]);
     count += begins[bin - 1];
-    if (count == 0 || right_counts[bin] == 0) continue;
+    if (!has_room[bin] || count == 0 || right_counts[bin] == 0) continue;
     const float cost = scaled_area(box, scale) * leaf_cost(count) +
                        scaled_area(right_boxes[bin], scale) * leaf_cost(right_counts[bin]);
     if (cost < best.cost) best = {axis, slices.plane(bin), cost, count, right_counts[bin], box, right_boxes[bin]};
@@ -147,13 +171,13 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
 
 }  // namespace
 
-SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, const Box& bounds,
-                                Four scale) {
+SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare,
+                                const Box& bounds, Four scale) {
   const int bins = static_cast<int>(std::min<std::size_t>(kMostBins, 4 + references.size() / 8));
   SpatialSplit best;
   for (int axis = 0; axis < 3; ++axis) {
     const Slices slices(bounds.lower[axis], bounds.upper[axis], bins);
-    if (slices.usable()) search_axis(geometry, references, axis, slices, scale, best);
+    if (slices.usable()) search_axis(geometry, references, spare, axis, slices, scale, best);
   }
   return best;
 }

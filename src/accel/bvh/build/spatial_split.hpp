@@ -17,9 +17,10 @@ struct SpatialSplit {
   Box left_box, right_box;
 };
 
-/// The cheapest split of the references, which lie in `bounds`, by the surface area heuristic.
-SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, const Box& bounds,
-                                Four scale);
+/// The cheapest split of the references, which lie in `bounds`, by the surface area heuristic. It parts at most `spare`
+/// of them.
+SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare,
+                                const Box& bounds, Four scale);
 
 /// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never
 /// parted.

@@ -70,6 +70,13 @@ class PacketBoxTest {
         {select(down_x_, lower_x, upper_x), select(down_y_, lower_y, upper_y), select(down_z_, lower_z, upper_z)}};
     return slab_interval(ray_, planes, t_min, limit);
   }
+  /// The same where all rays that count are of one octant: no lane has planes of its own.
+  SlabInterval<Wide> in_octant(int octant, const Node& node, int child, Wide t_min, Wide limit) const {
+    const int x = octant & 1, y = 2 | (octant >> 1 & 1), z = 4 | octant >> 2;
+    const auto plane = [&](int i) { return Wide(node.planes[i][child]); };
+    return slab_interval<Wide>(ray_, {{plane(x), plane(y), plane(z)}, {plane(x ^ 1), plane(y ^ 1), plane(z ^ 1)}},
+                               t_min, limit);
+  }
 
  private:
   static WideVec3 reciprocal_of(const WideVec3& d) { return {Wide(1.0f) / d.x, Wide(1.0f) / d.y, Wide(1.0f) / d.z}; }

@@ -47,6 +47,7 @@ struct TreeView {
   const PrimitiveId* ids;  ///< by slot
   const Sphere* spheres;   ///< by primitive of their ids
   bool has_blocks;         ///< whether there are triangles
+  bool has_levels;         ///< whether there are nodes below the root
 };
 
 /// The traversal compiled for one instruction set.

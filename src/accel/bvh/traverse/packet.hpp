@@ -3,6 +3,7 @@
 // them.
 #include <type_traits>
 
+#include "beam.hpp"
 #include "interleaved.hpp"
 #include "packet_tests.hpp"
 
@@ -18,6 +19,10 @@ constexpr int kFewAtBlock = kLanes / 2;
 /// The same at nodes of trees that hold spheres only, whose leaves a single ray tests one by one; measured on one-
 /// weekend.
 constexpr int kFewAmongSpheres = kLanes / 8;
+/// The same at blocks, and at nodes at least as large as the rays are apart, so that these mostly stay together, if the
+/// rays are a beam: what none of them meets costs little. Measured on the primary rays of those three, the globe and
+/// mirror-room.
+constexpr int kFewOfBeam = 2;
 
 /// A packet goes through the tree as long as its rays stay together.
 template <bool any_hit>
@@ -42,10 +47,14 @@ class Packet {
     const WideMask in_range = (largest <= Wide(kDirectionRange)) & (largest * Wide(kDirectionRange) >= Wide(1.0f));
     left_out_ = WideMask::of(lanes) & !in_range;
     lanes_ = WideMask::of(lanes) & in_range & (t_min_ < t_max);
+    if (!kTracesBeams || !tree.has_levels) return;
+    beam_ = Beam(origin_, direction_, kBlocksByBeam && tree.has_blocks ? &sheared_ : nullptr, lanes_);
+    if (beam_.is_usable()) beam_t_ = {Bounds(t_min_, lanes_).lower, Bounds(best_t_, lanes_).upper};
   }
 
   void run() {
     refs_[0] = tree_.root;
+    few_[0] = kFewOfBeam;
     masks_[0] = lanes_;
     nears_[0] = t_min_;
     int top = 0;
@@ -60,7 +69,7 @@ class Packet {
       --top;
       const std::uint32_t bits = active.bits();
       if (bits == 0) continue;
-      if (__builtin_popcount(bits) <= few_at(ref_kind(ref)) && can_wait(bits)) {
+      if (__builtin_popcount(bits) <= few_at(ref_kind(ref), top + 1) && can_wait(bits)) {
         nears_[top + 1].store(limits_);
         for (std::uint32_t left = bits; left != 0; left &= left - 1) {
           const int i = __builtin_ctz(left);
@@ -89,9 +98,12 @@ class Packet {
   WideUInt slots() const { return slots_; }
 
  private:
-  int few_at(RefKind kind) const {
+  /// Of what is at a place of the stack.
+  int few_at(RefKind kind, int place) const {
+    if (kind == RefKind::sphere) return 0;
+    if (tree_.has_blocks && beam_.is_usable()) return kind == RefKind::node ? few_[place] : kFewOfBeam;
     if (kind == RefKind::node) return tree_.has_blocks ? kFewAtNode : kFewAmongSpheres;
-    return kind == RefKind::sphere ? 0 : kFewAtBlock;
+    return kFewAtBlock;
   }
   bool can_wait(std::uint32_t lanes) const {
     for (; lanes != 0; lanes &= lanes - 1) {
@@ -102,19 +114,34 @@ class Packet {
 
   /// The children that some ray may hit, the nearest for the first ray on top.
   int push_children(const Node& node, WideMask active, int top) {
+    if (beam_.is_usable()) {
+      const int octant = beam_.octant();
+      alignas(32) std::uint32_t children[kWidth];
+      const NodeInterval some = beam_(node, beam_t_);
+      const int count = children_in_order(some, node.order[octant], children);
+      const std::uint32_t large = beam_.larger_than_beam(node, some.near).bits();
+      for (int i = 0; i < count; ++i) {
+        few_[top + 1] = (large >> children[i] & 1u) != 0 ? kFewOfBeam : kFewAtNode;
+        const int child = static_cast<int>(children[i]);
+        top = push(node, child, active, box_test_.in_octant(octant, node, child, t_min_, best_t_), top);
+      }
+      return top;
+    }
     const std::uint32_t order = node.order[box_test_.octant(__builtin_ctz(active.bits()))];
-    const auto child = [&](int i) { return order >> (4 * i) & 15u; };
+    const auto child = [&](int i) { return static_cast<int>(order >> (4 * i) & 15u); };
     int i = kWidth - 1;
     while (ref_kind(node.child[child(i)]) == RefKind::end) --i;  // unused lanes are last
-    for (; i >= 0; --i) {
-      const SlabInterval<Wide> interval = box_test_(node, static_cast<int>(child(i)), t_min_, best_t_);
-      const WideMask hit = active & (interval.near <= interval.far);
-      nears_[top + 1] = interval.near;
-      refs_[top + 1] = node.child[child(i)];
-      masks_[top + 1] = hit;
-      top += any(hit) ? 1 : 0;  // without a branch: whether a box is hit is a coin toss to the processor
-    }
+    for (; i >= 0; --i) top = push(node, child(i), active, box_test_(node, child(i), t_min_, best_t_), top);
     return top;
+  }
+
+  [[gnu::always_inline]] int push(const Node& node, int child, WideMask active, const SlabInterval<Wide>& interval,
+                                  int top) {
+    const WideMask hit = active & (interval.near <= interval.far);
+    nears_[top + 1] = interval.near;
+    refs_[top + 1] = node.child[child];
+    masks_[top + 1] = hit;
+    return top + (any(hit) ? 1 : 0);  // without a branch: whether a box is hit is a coin toss to the processor
   }
 
   /// Tests the edges of all triangles, then computes distances. A ray passes few triangles of a block, and a triangle
@@ -123,22 +150,32 @@ class Packet {
   template <class Block>
   void hit_block(const Block& block, WideMask active) {
     constexpr bool shared = std::is_same_v<Block, SharedBlock>;
+    const bool by_beam = beam_.has_axes();
+    const std::uint32_t lanes = by_beam ? beam_.may_pass(block) : block.lanes;
     WideVec3 vertices[shared ? kBlockSize : 3];
     const auto transform = [&](int i, int position) {
-      vertices[i] =
-          to_ray_space(sheared_, WideVec3(Wide(block.position[0][position]), Wide(block.position[1][position]),
-                                          Wide(block.position[2][position])) -
-                                     origin_);
+      const auto from_origin = [&](int axis) { return Wide(block.position[axis][position]) - (&origin_.x)[axis]; };
+      if (by_beam) {
+        vertices[i] = sheared(from_origin(beam_.axis(0)), from_origin(beam_.axis(1)), from_origin(beam_.axis(2)),
+                              sheared_.shear_x, sheared_.shear_y);
+      } else {
+        vertices[i] = to_ray_space(sheared_, WideVec3(from_origin(0), from_origin(1), from_origin(2)));
+      }
     };
+    if constexpr (shared) {
+      std::uint32_t used = by_beam ? 0u : (1u << block.vertices) - 1u;
+      for (std::uint32_t left = by_beam ? lanes : 0u; left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        for (int k = 0; k < 3; ++k) used |= 1u << corner_of(block, k, lane);
+      }
+      for (; used != 0; used &= used - 1) transform(__builtin_ctz(used), __builtin_ctz(used));
+    }
     // Without branches: whether some ray passes a triangle is a coin toss to the processor.
-    const int count = __builtin_popcount(block.lanes);
     WideMask passed[kBlockSize];
     std::uint32_t passed_lane[kBlockSize];
     int passed_count = 0;
-    if constexpr (shared) {
-      for (int i = 0; i < static_cast<int>(block.vertices); ++i) transform(i, i);
-    }
-    for (int lane = 0; lane < count; ++lane) {
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
       int a = 0, b = 1, c = 2;
       if constexpr (shared) {
         a = corner_of(block, 0, lane);
@@ -230,6 +267,7 @@ class Packet {
     best_v_ = select(lanes, v, best_v_);
     slots_ = select(lanes, slot, slots_);
     done_ = done_ | lanes;
+    if (beam_.is_usable()) beam_t_.upper = Bounds(best_t_, lanes_).upper;
   }
 
   /// The same for one lane; the caller keeps best_t_ in limits_ meanwhile.
@@ -258,6 +296,8 @@ class Packet {
   Wide t_min_;
   PacketBoxTest box_test_;
   ShearedRay<Wide> sheared_;
+  Beam beam_;
+  Bounds beam_t_;  ///< least t_min and greatest best_t_ of all rays
   WideMask lanes_, left_out_;
   WideMask done_{};  ///< lanes that have hit something
   Wide best_t_, best_u_{}, best_v_{};
@@ -265,6 +305,7 @@ class Packet {
   WideUInt slots_{kNoPrimitive};
   Ref refs_[kStackSize];
   WideMask masks_[kStackSize];
+  std::uint8_t few_[kStackSize];  ///< of nodes that a beam has met: the rays that are too few to go on together
   Wide nears_[kStackSize];
 };
 

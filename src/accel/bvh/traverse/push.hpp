@@ -32,6 +32,25 @@ inline int push_ordered(const NodeInterval& interval, const Node& node, int octa
 #endif
 }
 
+/// The children with near <= far, the nearest last; returns how many there are.
+inline int children_in_order(const NodeInterval& interval, std::uint32_t order, std::uint32_t* children) {
+#if defined(__AVX2__)
+  const UInt<8> lane = unpack_indices_backwards(order);
+  const Mask<8> hit = permute(interval.near, lane) <= permute(interval.far, lane);
+  Compression8(hit).store(lane & UInt<8>(7u), children);
+  return __builtin_popcount(hit.bits());
+#else
+  const std::uint32_t hit = (interval.near <= interval.far).bits();
+  int count = 0;
+  for (int i = kWidth - 1; i >= 0; --i) {
+    const std::uint32_t lane = order >> (4 * i) & 7u;
+    children[count] = lane;
+    count += static_cast<int>(hit >> lane & 1u);
+  }
+  return count;
+#endif
+}
+
 /// The first lane of an order, four bits each, whose bit is set in a mask that is not 0.
 inline std::uint32_t first_in_order(std::uint32_t order, std::uint32_t mask) {
   while ((mask >> (order & 7u) & 1u) == 0) order >>= 4;
