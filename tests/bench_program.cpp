@@ -263,6 +263,22 @@ echo '{"seconds": 2, "cpu_seconds": 4, "spp": 8, "start_up_seconds": 3, "waited_
   }
 }
 
+TEST_CASE("raylab-bench render leaves out a peer that does not answer", "[cli][bench]") {
+  const TempFolder folder;
+  const fs::path python = fake_peer(folder, R"(
+read asked || exit
+sleep 20
+echo > "${0%/*}/lived-on")");
+  const ProgramResult run = raylab_bench({"render", kCornell, "--accel", "bvh", "--spp", "1", "--reference-spp", "2",
+                                          "--width", "400", "--out", (folder / "results").string(), "--peers",
+                                          "mitsuba", "--peer-minutes", "0.02", "--peer-python", python.string()});
+  INFO(run.err);
+  CHECK(run.exit_code == 0);
+  CHECK(run.err.find("left out: mitsuba: has not answered for 0.02 minutes (--peer-minutes)") != std::string::npos);
+  CHECK_FALSE(fs::exists(folder / "lived-on"));
+  CHECK(rows_where(read_results(folder / "results"), "peer", "mitsuba").empty());
+}
+
 TEST_CASE("an interrupted raylab-bench ends its peers", "[cli][bench]") {
   const TempFolder folder;
   const fs::path python = fake_peer(folder, R"(

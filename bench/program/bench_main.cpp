@@ -154,6 +154,11 @@ CLI::App* add_render(CLI::App& app, RenderSuiteOptions& options) {
                    "mitsuba:scalar_rgb or luxcore:BIDIRCPU")
       ->delimiter(',')
       ->capture_default_str();
+  command
+      ->add_option("--peer-minutes", options.peer_minutes,
+                   "Leave out a renderer that takes longer to read the scene or to render one picture")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   return command;
 }
 

@@ -35,6 +35,7 @@ struct RenderSuiteOptions : CommonOptions {
   double target_error = 0.01;
   std::string peer_python;
   std::vector<std::string> peers;
+  double peer_minutes = 30.0;  ///< for which a peer may be silent
 };
 
 struct NeedsOptions : CommonOptions {

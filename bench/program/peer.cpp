@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "raylab/core/error.hpp"
+#include "raylab/core/text.hpp"
+#include "raylab/core/timing.hpp"
 #include "raylab/image/image_file.hpp"
 #include "subprocess.hpp"
 
@@ -57,8 +59,9 @@ std::string why_not(const Peer& peer, const std::string& python) {
 }
 
 PeerProcess::PeerProcess(const Peer& peer, const std::string& python, const std::string& scene_file,
-                         const RenderOptions& options, int threads, std::function<void()> check)
+                         const RenderOptions& options, int threads, double minutes, std::function<void()> check)
     : name_(peer.name),
+      minutes_(minutes),
       check_(std::move(check)),
       process_(name_,
                command_of(peer, python,
@@ -66,12 +69,12 @@ PeerProcess::PeerProcess(const Peer& peer, const std::string& python, const std:
                            std::to_string(options.height), "--max-depth", std::to_string(options.integrator.max_depth),
                            "--threads", std::to_string(threads)}),
                scratch_.path()),
-      settings_(answer_of(name_, process_.read(check_), settings_of)) {}
+      settings_(answer_of(name_, answer(), settings_of)) {}
 
 PeerRun PeerProcess::run(std::uint32_t seed, std::uint32_t samples_per_pixel) {
   const std::filesystem::path picture = scratch_ / "picture.exr";
   process_.write(nlohmann::json{{"seed", seed}, {"spp", samples_per_pixel}, {"output", picture.string()}}.dump());
-  PeerRun run = answer_of(name_, process_.read(check_), [](const nlohmann::json& json) {
+  PeerRun run = answer_of(name_, answer(), [](const nlohmann::json& json) {
     return PeerRun{{},
                    json.at("seconds"),
                    json.at("cpu_seconds"),
@@ -82,6 +85,15 @@ PeerRun PeerProcess::run(std::uint32_t seed, std::uint32_t samples_per_pixel) {
   });
   run.image = read_exr(picture);
   return run;
+}
+
+std::string PeerProcess::answer() {
+  const Stopwatch watch;
+  return process_.read([&] {
+    check_();
+    if (watch.seconds() < 60.0 * minutes_) return;
+    throw Error(ErrorKind::failure, name_, format("has not answered for %g minutes (--peer-minutes)", minutes_));
+  });
 }
 
 }  // namespace raylab::bench

@@ -49,9 +49,9 @@ struct PeerRun {
 class PeerProcess {
  public:
   /// Starts it. Calls `check`, which may throw, some twenty times a second, here and while it renders. Throws Error
-  /// (failure), as does run(), when it has ended.
+  /// (failure), as does run(), when it has ended, or has not answered for `minutes`.
   PeerProcess(const Peer& peer, const std::string& python, const std::string& scene_file, const RenderOptions& options,
-              int threads, std::function<void()> check);
+              int threads, double minutes, std::function<void()> check);
 
   const PeerSettings& settings() const { return settings_; }
 
@@ -59,7 +59,11 @@ class PeerProcess {
   PeerRun run(std::uint32_t seed, std::uint32_t samples_per_pixel);
 
  private:
+  /// Its next line.
+  std::string answer();
+
   std::string name_;
+  double minutes_;
   std::function<void()> check_;
   ScratchFolder scratch_{"raylab-bench"};
   LineProcess process_;

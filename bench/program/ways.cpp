@@ -105,7 +105,8 @@ void OwnWay::render(Suite& suite, int spp, int run) {
   runs_.seconds.push_back(rendered.seconds);
   runs_.cpu_seconds.push_back(rendered.cpu_seconds);
   runs_.errors.push_back(image_error(rendered.image, context_.reference.image));
-  runs_.relmse.push_back(runs_.errors.back().relmse);
+  // Less that of the reference, as a peer's noise has no share of it.
+  runs_.relmse.push_back(std::max(0.0, runs_.errors.back().relmse - context_.reference.relmse));
   rays_ = rendered.rays;
   estimates_.push_back(rendered.error);
 }
@@ -130,7 +131,7 @@ PeerWay::PeerWay(const SceneContext& context, const Peer& peer, Suite& suite)
       peer_(peer),
       process_(std::make_unique<PeerProcess>(peer, context.options.peer_python, context.file,
                                              options_for(context, Configuration(), 1, 0), context.threads,
-                                             [&suite] { suite.check(); })) {}
+                                             context.options.peer_minutes, [&suite] { suite.check(); })) {}
 
 void PeerWay::begin(Suite& suite, int spp) {
   Way::begin(suite, spp);
