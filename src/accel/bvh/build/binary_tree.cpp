@@ -167,7 +167,7 @@ class Builder {
     if (other.axis >= 0 && parts_well) return false;
     const Four scale = area_scale(range.bounds);
     const SpatialSplit split =
-        find_spatial_split(geometry_, references(range), range.room - range.end, range.bounds, scale);
+        find_spatial_split(geometry_, references(range), range.room - range.end, other.cost, range.bounds, scale);
     if (split.axis < 0 || !(split.cost < other.cost)) return false;
     std::vector<Primitive> in_left, in_right;
     partition_references(geometry_, references(range), split, scale, in_left, in_right);

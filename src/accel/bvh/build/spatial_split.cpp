@@ -116,31 +116,61 @@ struct Reach {
   }
 };
 
-/// Of the planes of one axis, those that part at most `spare` references. All of them are counted before one is cut,
-/// since cutting is what takes time: of primitives that lie on each other, for nothing.
-void search_axis(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare, int axis,
-                 const Slices& slices, Four scale, SpatialSplit& best) {
+/// The references of each bin that begin and that end there.
+struct Bins {
   std::uint32_t begins[kMostBins] = {}, ends[kMostBins] = {};
+  Box begin_boxes[kMostBins], end_boxes[kMostBins];
+};
+
+/// Whether a plane, by the bin behind it, parts at most `spare` references, and may cost less than `most`: without the
+/// parts of those that it parts. Cutting references is what takes time, and of primitives that lie on each other nearly
+/// all for nothing.
+struct Worth {
+  bool plane[kMostBins + 1] = {};
+  bool any = false;
+
+  Worth(const Bins& bins, int count, std::size_t references, std::size_t spare, Four scale, float most) {
+    float right_areas[kMostBins];
+    Box right, left;
+    for (int bin = count - 1; bin > 0; --bin) {
+      right.extend(bins.begin_boxes[bin]);
+      right_areas[bin] = scaled_area(right, scale);
+    }
+    std::size_t begun = 0, ended = 0;
+    for (int bin = 1; bin < count; ++bin) {
+      left.extend(bins.end_boxes[bin - 1]);
+      begun += bins.begins[bin - 1];
+      ended += bins.ends[bin - 1];
+      if (begun - ended > spare) continue;
+      const float left_area = ended == 0 ? 0.0f : scaled_area(left, scale);
+      const float right_area = begun == references ? 0.0f : right_areas[bin];
+      plane[bin] = left_area * leaf_cost(static_cast<std::uint32_t>(begun)) +
+                       right_area * leaf_cost(static_cast<std::uint32_t>(references - ended)) <
+                   most;
+      any = any || plane[bin];
+    }
+  }
+};
+
+void search_axis(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare, int axis,
+                 const Slices& slices, Four scale, float most, SpatialSplit& best) {
+  Bins bins;
   for (const Primitive& reference : references) {
     const Reach reach(geometry, reference, axis, slices);
-    ++begins[reach.first];
-    ++ends[reach.last];
+    ++bins.begins[reach.first];
+    ++bins.ends[reach.last];
+    bins.begin_boxes[reach.first].extend(reference);
+    bins.end_boxes[reach.last].extend(reference);
   }
-  bool has_room[kMostBins] = {}, any_has_room = false;
-  std::size_t begun = 0, ended = 0;
-  for (int bin = 1; bin < slices.bins(); ++bin) {
-    begun += begins[bin - 1];
-    ended += ends[bin - 1];
-    has_room[bin] = begun - ended <= spare;
-    any_has_room = any_has_room || has_room[bin];
-  }
-  if (!any_has_room) return;
+  const Worth worth(bins, slices.bins(), references.size(), spare, scale, std::min(most, best.cost));
+  if (!worth.any) return;
 
   Box boxes[kMostBins];
   for (const Primitive& reference : references) {
     const auto [first, last] = Reach(geometry, reference, axis, slices);
     Primitive rest = reference;
     for (int bin = first; bin < last && !is_empty(rest); ++bin) {
+      if (!worth.plane[bin + 1]) continue;
       const Sides sides = cut(geometry, rest, axis, slices.plane(bin + 1));
       if (!is_empty(sides.left)) boxes[bin].extend(sides.left);
       rest = sides.right;
@@ -155,14 +185,14 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
   for (int bin = slices.bins() - 1; bin > 0; --bin) {
     box.extend(boxes[bin]);
     right_boxes[bin] = box;
-    right_counts[bin] = count += ends[bin];
+    right_counts[bin] = count += bins.ends[bin];
   }
   box = {};
   count = 0;
   for (int bin = 1; bin < slices.bins(); ++bin) {
     box.extend(boxes[bin - 1]);
-    count += begins[bin - 1];
-    if (!has_room[bin] || count == 0 || right_counts[bin] == 0) continue;
+    count += bins.begins[bin - 1];
+    if (!worth.plane[bin] || count == 0 || right_counts[bin] == 0) continue;
     const float cost = scaled_area(box, scale) * leaf_cost(count) +
                        scaled_area(right_boxes[bin], scale) * leaf_cost(right_counts[bin]);
     if (cost < best.cost) best = {axis, slices.plane(bin), cost, count, right_counts[bin], box, right_boxes[bin]};
@@ -172,12 +202,12 @@ void search_axis(const Geometry& geometry, std::span<const Primitive> references
 }  // namespace
 
 SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare,
-                                const Box& bounds, Four scale) {
+                                float most, const Box& bounds, Four scale) {
   const int bins = static_cast<int>(std::min<std::size_t>(kMostBins, 4 + references.size() / 8));
   SpatialSplit best;
   for (int axis = 0; axis < 3; ++axis) {
     const Slices slices(bounds.lower[axis], bounds.upper[axis], bins);
-    if (slices.usable()) search_axis(geometry, references, spare, axis, slices, scale, best);
+    if (slices.usable()) search_axis(geometry, references, spare, axis, slices, scale, most, best);
   }
   return best;
 }

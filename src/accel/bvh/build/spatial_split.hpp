@@ -17,10 +17,10 @@ struct SpatialSplit {
   Box left_box, right_box;
 };
 
-/// The cheapest split of the references, which lie in `bounds`, by the surface area heuristic. It parts at most `spare`
-/// of them.
+/// The cheapest split of the references, which lie in `bounds`, by the surface area heuristic, of those that part at
+/// most `spare` of them and cost less than `most`.
 SpatialSplit find_spatial_split(const Geometry& geometry, std::span<const Primitive> references, std::size_t spare,
-                                const Box& bounds, Four scale);
+                                float most, const Box& bounds, Four scale);
 
 /// Adds each reference to the left or the right, or its parts to both if that costs less. Spheres are never
 /// parted.
