@@ -1,5 +1,6 @@
 // `bvh`: the same hits as without a tree, with every instruction set the machine has.
 #include <cmath>
+#include <limits>
 
 #include "batches.hpp"
 #include "catch.hpp"
@@ -115,6 +116,7 @@ std::vector<Ray> beams(const TriangleMesh& mesh, float size, std::size_t count) 
       const vec3 origin = from + lens * random.in_box(vec3(-1.0f), vec3(1.0f));
       rays.push_back({origin, target - origin});
       if (i % 5 == 0) rays.back().t_max = random(0.5f, 1.5f);
+      if (i % 7 == 0 && ray % 40 == 9) rays.back().origin.y = std::numeric_limits<float>::quiet_NaN();
     }
   }
   return rays;

@@ -34,7 +34,8 @@ class Beam {
     if (all == 0) return;
     const Wide zero(0.0f);
     for (int axis = 0; axis < 3; ++axis) {
-      const Wide d = (&direction.x)[axis];
+      const Wide d = (&direction.x)[axis], o = (&origin.x)[axis];
+      if (any(lanes & (o != o))) return;  // no bounds hold for NaN
       const std::uint32_t downwards = (d < zero).bits() & all;
       if (downwards == all) octant_ |= 1 << axis;
       if (downwards != all && ((zero < d).bits() & all) != all) return;
