@@ -206,6 +206,36 @@ TEST_CASE("bvh gives the hits of list to rays that start on surfaces and to dire
   check_equal_hits("on surfaces", mixed, rays, {Intersector::watertight});
 }
 
+TEST_CASE("bvh gives the hits of list among triangles of all sizes at once, and occludes what it hits", "[agreement]") {
+  const FlushDenormals flush;
+  UniformFloats random(21);
+  for (const float exponents : {20.0f, 60.0f}) {
+    const auto point = [&] {
+      vec3 p;
+      for (int axis = 0; axis < 3; ++axis) p[axis] = random(-1.0f, 1.0f) * std::exp2(random(-exponents, exponents));
+      return p;
+    };
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < 300; ++i) {
+      for (int k = 0; k < 3; ++k) mesh.positions.push_back(point());
+      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    std::vector<Ray> rays;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+      const Triangle t = triangle_corners(mesh, i % 300);
+      const float a = random(0.0f, 1.0f), b = random(0.0f, 1.0f - a);
+      const vec3 origin = point();
+      rays.push_back({origin, a * t.p0 + b * t.p1 + (1.0f - a - b) * t.p2 - origin});
+    }
+    const Geometry geometry{{mesh}, {}};
+    if (exponents == 20.0f) {
+      check_equal_hits("sizes of 2^-20 to 2^20", geometry, rays, {Intersector::watertight});
+      continue;
+    }
+    for (const auto& bvh : for_every_isa(geometry, Intersector::watertight)) check_batches(*bvh, rays);
+  }
+}
+
 TEST_CASE("of triangles hit at the same distance bvh gives the one with the smallest id, as list does", "[agreement]") {
   const TriangleMesh sphere = icosphere(vec3(0.0f), 1.0f, 2);
   const Geometry geometry{{sphere, sphere}, {{vec3(0.0f), 0.5f}, {vec3(0.0f), 0.5f}}};

@@ -145,9 +145,10 @@ template <class F>
 /// needs no double.
 constexpr float kTrustedSlope = 3.0f;
 constexpr float kTrustedSignSlope = 0x1p19f;
-/// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory. Where
-/// this bound decides the side of the limit, t is not computed again. Smaller errors count as kSmallestError, since
-/// their own rounding would matter.
+/// A t that is not trusted errs by no more than |t| kRoughError slope: some 50 roundings of 2^-24, in theory; the slope
+/// is that of most_error / depth, since edge functions also err by roundings of max|x, y|^2, and the interpolation by
+/// some of max|z|. Where this bound decides the side of the limit, t is not computed again. Smaller errors count as
+/// kSmallestError, since their own rounding would matter.
 constexpr float kRoughError = 0x1p-18f;
 constexpr float kSmallestError = 0x1p-100f;
 
@@ -158,6 +159,7 @@ struct WatertightHit {
   MaskOf<F> sure;     ///< floats decide that it is inside; else in_double() must
   MaskOf<F> precise;  ///< t is within a few roundings; else plane_distance() has it
   F error, depth;     ///< error / depth is the slope
+  F most_error;       ///< the same for a triangle that may be wider than it is far
 };
 
 /// From the edge functions, the vertices' z, and the largest |x| and |y| of all three. Interpolates from a: the error
@@ -177,6 +179,7 @@ template <class F>
   const F z_size = max(abs(az), max(abs(bz), abs(cz)));
   hit.error = z_size * (max(abs(ab), abs(ac)) * xy_size);
   hit.depth = abs(z) * size;
+  hit.most_error = max(z_size, xy_size) * (max(abs(ab), abs(ac)) * xy_size) + z_size * size;
   // Outside these bounds (NaN included) the flushed parts of the products, or 1 / det, would count.
   hit.sure = (F(0x1p-100f) < size) & (size < F(0x1p120f)) & (e.u != F(0.0f)) & (e.v != F(0.0f)) & (e.w != F(0.0f));
   hit.precise =
@@ -187,7 +190,7 @@ template <class F>
 /// Whether a hit with an imprecise t is certainly beyond the limit or, with any_hit, certainly within the interval.
 template <bool any_hit, class F>
 [[gnu::always_inline]] inline MaskOf<F> side_is_certain(const WatertightHit<F>& hit, const F& t_min, const F& limit) {
-  const F margin = max(hit.error, F(kSmallestError)) * F(kRoughError) * abs(hit.t);
+  const F margin = max(hit.most_error, F(kSmallestError)) * F(kRoughError) * abs(hit.t);
   const MaskOf<F> beyond = margin < (hit.t - limit) * hit.depth;
   if constexpr (!any_hit) return beyond;
   return beyond | ((margin < (limit - hit.t) * hit.depth) & (margin < (hit.t - t_min) * hit.depth));
