@@ -116,7 +116,8 @@ std::vector<Ray> beams(const TriangleMesh& mesh, float size, std::size_t count) 
       const vec3 origin = from + lens * random.in_box(vec3(-1.0f), vec3(1.0f));
       rays.push_back({origin, target - origin});
       if (i % 5 == 0) rays.back().t_max = random(0.5f, 1.5f);
-      if (i % 7 == 0 && ray % 40 == 9) rays.back().origin.y = std::numeric_limits<float>::quiet_NaN();
+      if (i % 7 == 0 && ray % 32 == 15)
+        rays.back().origin[static_cast<int>(i % 3)] = std::numeric_limits<float>::quiet_NaN();
     }
   }
   return rays;
