@@ -68,11 +68,11 @@ inline std::uint32_t common_to_all(const std::uint32_t (&masks)[4], const std::u
   using Bytes = Register<4>::Bytes;
   using Longs = std::uint64_t __attribute__((vector_size(16)));
   constexpr Bytes weights = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
-  Bytes codes{};  // of each index its masks, a bit each
-  for (int i = 0; i < 4; ++i) {
+  Bytes codes{}, bit = Bytes{} + 1;  // codes: of each index its masks, a bit each
+  for (int i = 0; i < 4; ++i, bit += bit) {
     const auto spread = [](std::uint32_t eight) { return (eight & 0xffu) * std::uint64_t{0x0101010101010101}; };
     const Bytes of_mask = Bytes(Longs{spread(masks[i]), spread(masks[i] >> 8)}) & weights;
-    codes |= Bytes(of_mask != 0) & static_cast<std::uint8_t>(1 << i);
+    codes |= Bytes(of_mask != 0) & bit;
   }
   const auto look_up = [&](const std::uint8_t* index) {
     Bytes at;
