@@ -1,8 +1,10 @@
 #pragma once
 // Runs of raylab-bench.
 #include <filesystem>
+#include <vector>
 
 #include "catch.hpp"
+#include "raylab/measure/results.hpp"
 #include "run_program.hpp"
 
 namespace raylab::test {
@@ -19,6 +21,14 @@ inline void expect_failure(const std::vector<std::string>& arguments, int exit_c
   CHECK(result.exit_code == exit_code);
   CHECK(result.err.find("raylab-bench: ") != std::string::npos);
   CHECK(result.err.find(part) != std::string::npos);
+}
+
+inline std::vector<Row> rows_where(const Results& results, const std::string& field, const Row& value) {
+  std::vector<Row> found;
+  for (const Row& row : results.rows) {
+    if (row.contains(field) && row[field] == value) found.push_back(row);
+  }
+  return found;
 }
 
 /// Arguments of a measurement of a moment, into a folder.

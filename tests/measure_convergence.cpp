@@ -86,6 +86,15 @@ TEST_CASE("errors of several runs combine, the noise of the reference being shar
   CHECK(std::isinf(combine({with(0.02, 1.0, 0.005)}, reference).relmse_error));
 }
 
+TEST_CASE("a picture's own error is what is measured less the reference's, and at least half", "[unit][measure]") {
+  Reference reference;
+  reference.relmse = 0.01;
+  CHECK(own_relmse(0.04, reference) == Approx(0.03));
+  CHECK(own_relmse(0.02, reference) == Approx(0.01));
+  CHECK(own_relmse(0.012, reference) == Approx(0.006));
+  CHECK(own_relmse(0.005, reference) == Approx(0.0025));
+}
+
 TEST_CASE("time to an error is interpolated by a power law", "[unit][measure]") {
   const std::vector<ErrorAtTime> points{{1.0, 0.16}, {4.0, 0.04}, {16.0, 0.0025}};
   const TimeToError first = time_to_error(points, 0.08);

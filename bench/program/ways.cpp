@@ -105,8 +105,7 @@ void OwnWay::render(Suite& suite, int spp, int run) {
   runs_.seconds.push_back(rendered.seconds);
   runs_.cpu_seconds.push_back(rendered.cpu_seconds);
   runs_.errors.push_back(image_error(rendered.image, context_.reference.image));
-  // Less that of the reference, as a peer's noise has no share of it.
-  runs_.relmse.push_back(std::max(0.0, runs_.errors.back().relmse - context_.reference.relmse));
+  runs_.relmse.push_back(own_relmse(runs_.errors.back().relmse, context_.reference));  // as a peer's noise is its own
   rays_ = rendered.rays;
   estimates_.push_back(rendered.error);
 }

@@ -42,6 +42,10 @@ RunErrors combine(const std::vector<ImageError>& runs, const Reference& referenc
   return all;
 }
 
+double own_relmse(double measured, const Reference& reference) {
+  return std::max(0.5 * measured, measured - reference.relmse);
+}
+
 TimeToError time_to_error(const std::vector<ErrorAtTime>& points, double target) {
   RAYLAB_CHECK(!points.empty() && target > 0.0);
   // Seconds at the target, on the power law of relmse over seconds with this exponent, through this point.

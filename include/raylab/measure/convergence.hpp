@@ -28,6 +28,10 @@ struct RunErrors {
 };
 RunErrors combine(const std::vector<ImageError>& runs, const Reference& reference);
 
+/// Of a relMSE measured against the reference, what is the picture's own: less the reference's, which adds to it. At
+/// least half, since a reference that errs as much as the picture cannot tell how little that errs.
+double own_relmse(double measured, const Reference& reference);
+
 /// What was reached after how long.
 struct ErrorAtTime {
   double seconds = 0.0;

@@ -135,6 +135,7 @@ class Packet {
     return top;
   }
 
+  /// Puts a child where the next goes, and returns the new top, which is one more if some ray hits it.
   [[gnu::always_inline]] int push(const Node& node, int child, WideMask active, const SlabInterval<Wide>& interval,
                                   int top) {
     const WideMask hit = active & (interval.near <= interval.far);
