@@ -55,6 +55,14 @@ TEST_CASE("a camera given in part keeps the defaults for the rest", "[unit]") {
   CHECK(camera.focus_distance == defaults.focus_distance);
 }
 
+TEST_CASE("a text of several lines goes on with any letter after a line that ends in a backslash", "[unit]") {
+  InputFolder folder;
+  folder.write("\u00e9.obj", kTriangle);
+  const LoadedScene loaded =
+      folder.load(kWhite + "[[mesh]]\nmaterial = \"white\"\nobj = \"\"\"\\\n  \u00e9.obj\"\"\"\n");
+  CHECK(loaded.scene.geometry.primitive_count() == 1);
+}
+
 TEST_CASE("an empty scene is valid and warns that only the background can be seen", "[unit]") {
   InputFolder folder;
   const LoadedScene loaded = folder.load("");

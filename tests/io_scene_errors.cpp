@@ -42,8 +42,10 @@ TEST_CASE("a missing scene file and a folder in its place are refused by name", 
 TEST_CASE("a syntax error is placed where TOML breaks", "[unit]") {
   InputFolder folder;
   // The column is the parser's choice.
-  const std::vector<std::pair<std::string, std::string>> broken = {
-      {"[camera]\nvfov = = 3\n", "2:"}, {"[render]\nwidth = 12px\n", "2:"}, {"[render]\nwidth = 1\nwidth = 2\n", "3:"}};
+  const std::vector<std::pair<std::string, std::string>> broken = {{"[camera]\nvfov = = 3\n", "2:"},
+                                                                   {"[render]\nwidth = 12px\n", "2:"},
+                                                                   {"[render]\nwidth = 1\nwidth = 2\n", "3:"},
+                                                                   {"[render]\nwidth = 1\u00e9\n", "2:"}};
   for (const auto& [toml, line] : broken) {
     INFO(toml);
     const std::string place = folder.at("scene.toml:" + line);

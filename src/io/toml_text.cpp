@@ -10,9 +10,6 @@ namespace {
 
 constexpr int kMostKeyParts = 32;
 
-bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
 class TomlText {
  public:
   TomlText(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -30,7 +27,6 @@ class TomlText {
         skip_string(c);
         continue;
       }
-      if (!is_ascii(c)) fail("characters that are not ASCII may stand in comments and in quotes alone");
       if (c == '.' && ++parts > kMostKeyParts) fail(format("a key of more than %d parts", kMostKeyParts));
       if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) parts = 1;
       ++at_;
@@ -49,14 +45,10 @@ class TomlText {
 
   bool three(char quote) const { return text_.substr(at_, 3) == std::string(3, quote); }
 
-  /// Whether the character is escaped by a backslash before it; lines go on after others.
-  bool is_escape(std::size_t at) const { return at < text_.size() && is_ascii(text_[at]) && !is_space(text_[at]); }
-
   /// Goes past a string, or to where it breaks off.
   void skip_string(char quote) {
     const bool of_lines = three(quote);
     at_ += of_lines ? 3 : 1;
-    bool skips_space = false;  // after a backslash at the end of a line
     while (at_ < text_.size()) {
       const char c = text_[at_];
       if (c == quote && (!of_lines || three(quote))) {
@@ -66,9 +58,7 @@ class TomlText {
         return;
       }
       if (c == '\n' && !of_lines) return;
-      if (skips_space && !is_ascii(c)) fail("characters that are not ASCII may not follow a backslash");
-      skips_space = of_lines && (skips_space ? is_space(c) : c == '\\' && quote == '"' && !is_escape(at_ + 1));
-      at_ += c == '\\' && quote == '"' && is_escape(at_ + 1) ? 2 : 1;
+      at_ += c == '\\' && quote == '"' ? 2 : 1;
     }
   }
 
