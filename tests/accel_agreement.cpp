@@ -26,20 +26,21 @@ Geometry mixed() {
 
 TEST_CASE("every accelerator agrees with testing all primitives on 10,000 random rays a scene", "[agreement]") {
   for (const AcceleratorEntry& entry : accelerators()) {
-    passes_agreement(entry.name, best_options(entry.name), 1, [&](const auto& scene, const auto& report) {
+    if (entry.name == "list") continue;  // the judge itself
+    CHECK(passes_agreement(entry.name, best_options(entry.name), 1, [&](const auto& scene, const auto& report) {
       INFO(entry.name << " on " << scene.name << ": " << to_string(report));
       CHECK(report.agrees());
-    });
-    CHECK(passes_agreement(entry.name, best_options(entry.name), 2, [](const auto&, const auto&) {}));
+    }));
   }
+  CHECK(passes_agreement("bvh", {}, 2, [](const auto&, const auto&) {}));
 }
 
 namespace {
 
-/// `list` with a fault of its own.
+/// `bvh` with a fault of its own.
 class Faulty : public Accelerator {
  public:
-  explicit Faulty(const Geometry& geometry) : right_(make_accelerator("list", geometry)) {}
+  explicit Faulty(const Geometry& geometry) : right_(make_accelerator("bvh", geometry)) {}
   std::optional<Hit> intersect(const Ray& ray) const noexcept override { return right_->intersect(ray); }
   bool occluded(const Ray& ray) const noexcept override { return right_->occluded(ray); }
   const BuildReport& build_report() const noexcept override { return right_->build_report(); }
