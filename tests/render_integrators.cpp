@@ -235,6 +235,23 @@ TEST_CASE("light sampling makes small lights quiet", "[statistical][integrators]
   CHECK(path < 0.1 * mean_luminance(render(scene, options)).error);
 }
 
+TEST_CASE("roulette goes by what paths lose after the first surface: its colour ends none", "[unit][integrators]") {
+  const auto picture_of_card = [](float colour) {
+    SeenScene scene;
+    add_quad(scene, {-0.01f, 0, -0.01f}, {0, 0, 0.02f}, {0.02f, 0, 0}, lambertian(grey(colour)));
+    add_quad(scene, {-9, -1, -9}, {0, 0, 18}, {18, 0, 0}, lambertian(grey(0.5f)));
+    add_quad(scene, {-9, 2, -9}, {18, 0, 0}, {0, 0, 18}, lambertian(grey(0.5f)));
+    add_quad(scene, {3, 1.9f, -1}, {2, 0, 0}, {0, 0, 2}, light(grey(1.0f)));
+    look(scene, {0, 1, 0.01f}, {0, 0, 0}, 0.5f);
+    return render(scene, render_options(4, 4, 64, 12)).image();
+  };
+  const Image bright = picture_of_card(0.5f), dark = picture_of_card(0.5f / 64.0f);
+  for (std::size_t i = 0; i < bright.pixels.size(); ++i) {
+    CHECK(bright.pixels[i].r > 0.0f);
+    CHECK(dark.pixels[i] == bright.pixels[i] / 64.0f);
+  }
+}
+
 TEST_CASE("rays are counted by what they are for", "[unit][integrators]") {
   SeenScene scene;
   add_quad(scene, {-9, 0, -9}, {0, 0, 18}, {18, 0, 0}, lambertian(grey(0.5f)));

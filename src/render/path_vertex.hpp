@@ -38,7 +38,7 @@ template <class F>
 struct PathState {
   Vec3<F> origin, direction;  ///< of its next ray; the direction is unit
   Vec3<F> throughput;
-  F eta_scale;    ///< undoes the radiance scaling of refraction: roulette sees the path's power
+  F power_scale;  ///< times the throughput: the power left, in parts of what the first surface left
   F scatter_pdf;  ///< density of the direction per steradian; 0: light sampling could not have found it
   Vec3<F> scatter_position;
 };
@@ -53,7 +53,7 @@ PathState<F> camera_path(const Camera::Rays& camera, const BasicSampler<F>& samp
   camera_ray<F>(camera, x + jitter.x, y + jitter.y, lens, path.origin, path.direction);
   path.direction = path.direction * (F(1.0f) / sqrt(dot(path.direction, path.direction)));
   path.throughput = Vec3<F>(F(1.0f));
-  path.eta_scale = F(1.0f);
+  path.power_scale = F(1.0f);
   path.scatter_pdf = F(0.0f);
   path.scatter_position = path.origin;
   return path;
@@ -159,18 +159,24 @@ MaskOf<F> scatter(const PathVertex<F>& v, const Vec2<F>& u, const F& lobe, RayOf
   path.direction = v.frame.to_world(s.wi);
   path.origin = ray_start(v, path.direction, offset);
   path.throughput *= s.weight;
-  path.eta_scale *= s.eta_squared;
+  path.power_scale *= s.eta_squared;  // refraction scales radiance, not power
   path.scatter_pdf = select(s.delta, F(0.0f), s.pdf);
   path.scatter_position = v.point.position;
   return !is_black(s.weight);
 }
 
-/// Russian roulette: ends paths in proportion to the power that they have lost. Returns where they go on.
-template <class F>
-MaskOf<F> survives_roulette(const F& u, PathState<F>& path) {
-  const F survival = min(max_component(path.throughput) * path.eta_scale, F(1.0f));
+/// Russian roulette from the second surface on: ends a path in proportion to the power that it has lost since the
+/// first, once that is more than two thirds. What the first surface left is what its whole pixel has, which is to have
+/// a small error by its own measure, as in "Adjoint-Driven Russian Roulette and Splitting" (Vorba and Křivánek 2016).
+/// Returns where the path goes on. `u` draws uniform numbers, if any path may end.
+template <class F, class Draw>
+MaskOf<F> survives_roulette(int segment, PathState<F>& path, const Draw& u) {
+  if (segment == 1) path.power_scale = F(1.0f) / max_component(path.throughput);
+  const F power = max_component(path.throughput) * path.power_scale;
+  const F survival = min(F(Integrator::kFullSurvival) * power, F(1.0f));
+  if (segment == 1 || !any(survival < F(1.0f))) return power > F(0.0f);
   path.throughput = path.throughput / survival;
-  return u < survival;
+  return u() < survival;
 }
 
 }  // namespace

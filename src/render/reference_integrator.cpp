@@ -155,8 +155,8 @@ Rgb Li(const ShadingScene& s, PathState<float> path, const Sample& sampler, RayC
         chain = 0;
       }
     }
-    if (segment >= Integrator::kFirstRouletteSegment && s.settings.kind != IntegratorKind::book) {
-      if (!survives_roulette(sampler.get1(draw + kRoulette), path)) return radiance;
+    if (s.settings.kind != IntegratorKind::book) {
+      if (!survives_roulette<float>(segment, path, [&] { return sampler.get1(draw + kRoulette); })) return radiance;
     }
     if (s.settings.ray_offset == RayOffset::book) t_min = kBookOffset;
   }

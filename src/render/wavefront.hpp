@@ -417,8 +417,8 @@ class Wavefront {
     alive = alive & scatter(vertex, u, lobe, offset_, path);
     alignas(64) std::uint32_t chain[kMostLanes];
     if (scene_.has_chains()) follow_chains(alive, first, pdf_before, position_before, vertex, path, chain);
-    if (segment >= Integrator::kFirstRouletteSegment && scene_.settings.kind != IntegratorKind::book)
-      alive = alive & survives_roulette(sampler.get1(draw + kRoulette), path);
+    if (scene_.settings.kind != IntegratorKind::book)
+      alive = alive & survives_roulette<Wide>(segment, path, [&] { return sampler.get1(draw + kRoulette); });
     if (!any(alive)) return;
     paths_.store(path, alive, kept_);
     if (offset_ == RayOffset::book) compress(Wide(kBookOffset), alive, paths_.t_min + kept_);

@@ -33,7 +33,7 @@ void compress3(const WideVec3& v, WideMask m, Floats (&a)[3], std::size_t i) {
 struct alignas(64) PathQueue {
   Floats origin[3], direction[3], t_min, t_max;
   Floats throughput[3];
-  Floats eta_scale, scatter_pdf;
+  Floats power_scale, scatter_pdf;
   Floats scatter_position[3];
   UInts seed_low, seed_high, sample;
   UInts slot;            ///< in the batch
@@ -41,8 +41,12 @@ struct alignas(64) PathQueue {
   UInts chain;  ///< of specular surfaces since the last vertex from which lights were sampled; of scenes that have some
 
   PathState<Wide> load(std::size_t i) const {
-    return {load3(origin, i),          load3(direction, i),         load3(throughput, i),
-            Wide::load(eta_scale + i), Wide::load(scatter_pdf + i), load3(scatter_position, i)};
+    return {load3(origin, i),
+            load3(direction, i),
+            load3(throughput, i),
+            Wide::load(power_scale + i),
+            Wide::load(scatter_pdf + i),
+            load3(scatter_position, i)};
   }
   void store(const PathState<Wide>& p, std::size_t i) {
     for_each(p, i, [](Wide x, float* to) { x.store(to); });
@@ -64,7 +68,7 @@ struct alignas(64) PathQueue {
     put3(p.direction, direction);
     put3(p.throughput, throughput);
     put3(p.scatter_position, scatter_position);
-    put(p.eta_scale, eta_scale + i);
+    put(p.power_scale, power_scale + i);
     put(p.scatter_pdf, scatter_pdf + i);
   }
 };
