@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef RAYLAB_SANITIZED
 constexpr bool kLimitsMemory = false;  // the sanitizers' own memory would count
 #else
 constexpr bool kLimitsMemory = true;

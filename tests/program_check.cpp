@@ -78,7 +78,7 @@ TEST_CASE("the memory that a render takes is stated beforehand, within a tenth",
       }
       const double scene_and_film = number_after(checked.out, "\nmemory ");
       constexpr double kProgram = 12.0;  // MiB that it takes itself
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef RAYLAB_SANITIZED
       CHECK(scene_and_film + kProgram == Approx(static_cast<double>(rendered.peak_kib) / 1024).epsilon(0.1));
 #endif
     }

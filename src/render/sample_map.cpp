@@ -110,7 +110,9 @@ SampleMap::SampleMap(const Film& pilot, const PixelRect& region) : region_(regio
       }
       return total;
     });
-    for (std::size_t c = 0; c < kClasses; ++c) shares[c].share = share(c, scale);
+    for (std::size_t c = 0; c < kClasses; ++c) {
+      if (shares[c].pixels > 0) shares[c].share = share(c, scale);  // others may be the bits of no number
+    }
   }
 }
 
