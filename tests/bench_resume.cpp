@@ -147,6 +147,38 @@ TEST_CASE("raylab-bench --resume measures nothing again that is measured, and ju
   CHECK(read_results(folder.path()).rows != before.rows);
 }
 
+TEST_CASE("raylab-bench render --resume measures no scene again that is finished", "[cli][bench]") {
+  const TempFolder folder;
+  const Arguments render{"render",
+                         kCornell,
+                         kGlobe,
+                         "--accel",
+                         "list",
+                         "--width",
+                         "16",
+                         "--spp",
+                         "1,2",
+                         "--reference-spp",
+                         "4",
+                         "--out",
+                         folder.path().string()};
+  // Ended as soon as the first scene's rows are there: the second takes seconds.
+  const std::string stop = "\"$@\" & until grep -qs 'time to error' " + (folder / "results.json").string() +
+                           "; do sleep 0.01; done; kill -TERM $!; wait $!";
+  const ProgramResult first =
+      run_program("/bin/sh", with({"-c", stop, "sh", RAYLAB_BINARY_DIR "/raylab-bench"}, render));
+  INFO(first.out << first.err);
+  const std::vector<Row> cornell = rows_where(read_results(folder.path()), "scene", "cornell");
+  REQUIRE(rows_where(read_results(folder.path()), "question", "time to error").size() == 1);
+  const ProgramResult again = raylab_bench(with(render, {"--resume"}));
+  INFO(again.out << again.err);
+  CHECK(again.exit_code == 0);
+  CHECK(again.out.find("cornell ") == std::string::npos);
+  CHECK(again.out.find("globe ") != std::string::npos);
+  CHECK(rows_where(read_results(folder.path()), "scene", "cornell") == cornell);
+  CHECK(rows_where(read_results(folder.path()), "question", "time to error").size() == 2);
+}
+
 TEST_CASE("raylab-bench --resume refuses a run of another command, version or scene, naming the difference",
           "[cli][bench]") {
   const TempFolder folder;

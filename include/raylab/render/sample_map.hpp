@@ -20,6 +20,7 @@ class SampleMap {
  public:
   static constexpr std::uint32_t kPilot = 16;  ///< samples that each pixel has, and that decide
   static constexpr std::uint32_t kMost = 10;   ///< times the mean, more than which no pixel has; nor below a quarter
+  static constexpr std::size_t kBytes = 6;     ///< a pixel, while it is made
 
   /// Of a film that has the first kPilot samples of all pixels of a region.
   SampleMap(const Film& pilot, const PixelRect& region);
