@@ -125,7 +125,8 @@ TEST_CASE("every accelerator answers a batch as it answers its rays one by one",
   }
 }
 
-TEST_CASE("Embree agrees with testing all primitives, and meets what exact meets, however it is built", "[agreement]") {
+TEST_CASE("Embree agrees with testing all primitives, and meets what exact meets, in every quality and compact",
+          "[agreement]") {
   const FlushDenormals flush;
   const Geometry geometry = mixed();
   const auto exact = make_accelerator("exact", geometry);

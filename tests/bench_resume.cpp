@@ -162,9 +162,9 @@ TEST_CASE("raylab-bench render --resume measures no scene again that is finished
                          "4",
                          "--out",
                          folder.path().string()};
-  // Ended as soon as the first scene's rows are there: the second takes seconds.
-  const std::string stop = "\"$@\" & until grep -qs 'time to error' " + (folder / "results.json").string() +
-                           "; do sleep 0.01; done; kill -TERM $!; wait $!";
+  // Killed as soon as the first scene is noted as measured.
+  const std::string stop = "\"$@\" & until grep -qs measured " + (folder / "results.json").string() +
+                           " || ! kill -0 $!; do sleep 0.01; done; kill -KILL $!; wait $!";
   const ProgramResult first =
       run_program("/bin/sh", with({"-c", stop, "sh", RAYLAB_BINARY_DIR "/raylab-bench"}, render));
   INFO(first.out << first.err);

@@ -49,7 +49,8 @@ double changed_fraction(const Image& a, const Image& b) {
 // The same seed gives the same paths, so all pixels agree but those where a last-bit difference between compilers or
 // libraries turned a path elsewhere.
 TEST_CASE("every shipped scene looks as it did", "[golden]") {
-  for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest", "lamps"}) {
+  for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest", "lamps",
+                           "caustics", "kaleidoscope"}) {
     const auto file = shipped_scene(name);
     if (!file) continue;
     INFO(name << "; made by: raylab-render " << file->string() << " --width 64 --spp 16 -o " << name << ".exr");

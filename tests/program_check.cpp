@@ -26,6 +26,8 @@ TEST_CASE("no shipped scene has bytes or code paths for what it does not use", "
       {"globe", "shading normals, area lights", 7202840, 200, 2, 0},
       {"forest", "", 3674628, 0, 0, 0},
       {"lamps", "spheres, area lights", 55544, 58848, 1500, 0},
+      {"caustics", "spheres, area lights, specular spheres", 272, 200, 2, 0},
+      {"kaleidoscope", "spheres, area lights, plane mirrors", 364, 208, 2, 0},
   };
   for (const Expected& e : table) {
     const auto file = shipped_scene(e.scene);
@@ -62,12 +64,11 @@ TEST_CASE("the memory that a render takes is stated beforehand, within a tenth",
       if (scene != std::string("globe") && accel != "bvh" && accel != "embree") continue;
       // Of small scenes the film is nearly all.
       const std::string width = scene == std::string("cornell") ? "1600" : "16";
-      std::vector<std::string> arguments{file->string(), "--accel", accel, "--width", width};
-      if (width != "16" && accel == "embree") arguments.emplace_back("--adaptive");
+      const std::vector<std::string> arguments{file->string(), "--accel", accel, "--width", width};
       std::vector<std::string> check = arguments, render = arguments;
       check.push_back("--check");
       render.insert(render.end(),
-                    {"--spp", "16", "--max-depth", "1", "-o", (folder / "a.png").string(), "--stats", stats});
+                    {"--spp", "1", "--max-depth", "1", "-o", (folder / "a.png").string(), "--stats", stats});
       const ProgramResult checked = run_program(program, check), rendered = run_program(program, render);
       INFO(scene << " " << checked.out << rendered.err);
       REQUIRE(rendered.exit_code == 0);
@@ -84,6 +85,20 @@ TEST_CASE("the memory that a render takes is stated beforehand, within a tenth",
 #endif
     }
   }
+}
+
+TEST_CASE("the map of samples of an adaptive render counts among the memory that is stated", "[cli]") {
+  const auto film_of = [](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{shipped_scene("cornell")->string(), "--check", "--width", "1600"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const std::string text = run_program(RAYLAB_BINARY_DIR "/raylab-render", arguments).out;
+    const std::size_t at = text.find(" pixels, ");
+    REQUIRE(at != std::string::npos);
+    return std::stod(text.substr(at + 9));
+  };
+  const double map = 1600.0 * 1600.0 * 6.0 / 1048576.0;
+  CHECK(film_of({"--spp", "17", "--adaptive"}) == Approx(film_of({"--spp", "17"}) + map).margin(0.11));
+  CHECK(film_of({"--spp", "16", "--adaptive"}) == film_of({"--spp", "16"}));  // there is no map
 }
 
 TEST_CASE("the town loads with millions of triangles, nothing of it missing", "[cli]") {

@@ -74,7 +74,8 @@ SeenScene mirror_under_the_sky() {
 }  // namespace
 
 TEST_CASE("the reference integrator gives the wavefront's bits on every shipped scene", "[agreement][reference]") {
-  for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest", "lamps"}) {
+  for (const char* name : {"cornell", "one-weekend", "mirror-room", "dragon", "bunny", "globe", "forest", "lamps",
+                           "caustics", "kaleidoscope"}) {
     const auto file = shipped_scene(name);
     if (!file) continue;
     const LoadedScene loaded = load_scene(*file);

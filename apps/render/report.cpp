@@ -30,7 +30,8 @@ std::string scene_text(const LoadedScene& loaded, double load_seconds) {
 std::string check_text(const RenderCommand& command, const LoadedScene& loaded, const RenderOptions& options,
                        double load_seconds) {
   std::string text = scene_text(loaded, load_seconds);
-  const std::size_t film = (Film::kBytes + (options.adaptive ? SampleMap::kBytes : 0)) *
+  const bool has_map = options.adaptive && options.samples_per_pixel > SampleMap::kPilot;
+  const std::size_t film = (Film::kBytes + (has_map ? SampleMap::kBytes : 0)) *
                            static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
   text += format("film       %d x %d pixels, %.1f MiB; %u samples a pixel\n", options.width, options.height,
                  mebibytes(film), options.samples_per_pixel);

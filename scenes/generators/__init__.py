@@ -1,6 +1,6 @@
 """One module a scene. Each has `files()`, which returns {file name: bytes}."""
 
-from . import bunny, cornell, dragon, forest, globe, lamps, mirror_room, one_weekend, town
+from . import bunny, caustics, cornell, dragon, forest, globe, kaleidoscope, lamps, mirror_room, one_weekend, town
 
 SCENES = {
     "cornell": cornell.files,
@@ -11,5 +11,7 @@ SCENES = {
     "globe": globe.files,
     "forest": forest.files,
     "lamps": lamps.files,
+    "caustics": caustics.files,
+    "kaleidoscope": kaleidoscope.files,
     "town": town.files,
 }

@@ -7,7 +7,8 @@
 #define TOML_MAX_NESTED_VALUES 32
 
 // Its test for white space lets the compiler rely on it that letters such as "é" never come, and they do
-// (marzer/tomlplusplus#295, in all versions to 3.4). They are no white space.
+// (marzer/tomlplusplus#295, in all versions to 3.4). They are no white space. What stays is that it trims white space
+// beyond ASCII, too, at the beginning of a line that goes on after a backslash.
 #if __has_include(<toml++/impl/preprocessor.hpp>)
 #include <toml++/impl/preprocessor.hpp>
 #else

@@ -165,18 +165,20 @@ MaskOf<F> scatter(const PathVertex<F>& v, const Vec2<F>& u, const F& lobe, RayOf
   return !is_black(s.weight);
 }
 
-/// Russian roulette from the second surface on: ends a path in proportion to the power that it has lost since the
-/// first, once that is more than two thirds. What the first surface left is what its whole pixel has, which is to have
-/// a small error by its own measure, as in "Adjoint-Driven Russian Roulette and Splitting" (Vorba and Křivánek 2016).
-/// Returns where the path goes on. `u` draws uniform numbers, if any path may end.
-template <class F, class Draw>
-MaskOf<F> survives_roulette(int segment, PathState<F>& path, const Draw& u) {
+/// Russian roulette, from the second surface on. A path goes on for certain while it has 1 / kFullSurvival of the power
+/// that the first surface left it, and below that in proportion. The first surface's colour is left out since it
+/// darkens the whole pixel, whose error counts by its own brightness: a cheap part of what "Adjoint-Driven Russian
+/// Roulette and Splitting" (Vorba and Křivánek 2016) does. Returns where the path goes on. `u` gives a uniform number;
+/// it is called only if some path may end.
+template <class F, class Uniform>
+MaskOf<F> survives_roulette(int segment, PathState<F>& path, const Uniform& u) {
   if (segment == 1) path.power_scale = F(1.0f) / max_component(path.throughput);
   const F power = max_component(path.throughput) * path.power_scale;
   const F survival = min(F(Integrator::kFullSurvival) * power, F(1.0f));
-  if (segment == 1 || !any(survival < F(1.0f))) return power > F(0.0f);
+  const MaskOf<F> has_power = power > F(0.0f);  // NaN has none, whatever the other lanes have
+  if (segment == 1 || !any(survival < F(1.0f))) return has_power;
   path.throughput = path.throughput / survival;
-  return u() < survival;
+  return has_power & (u() < survival);
 }
 
 }  // namespace
