@@ -197,7 +197,8 @@ TEST_CASE("path and book agree on the mean of every shipped scene", "[statistica
   const Shipped shipped[] = {{"cornell", 2000, 1000, 0.01},     {"one-weekend", 500, 500, 0.005},
                              {"mirror-room", 2000, 1000, 0.01}, {"dragon", 1000, 500, 0.005},
                              {"bunny", 2000, 1000, 0.01},       {"globe", 2500, 200, 0.01},
-                             {"forest", 500, 200, 0.005},       {"lamps", 2000, 1000, 0.01}};
+                             {"forest", 500, 200, 0.005},       {"lamps", 2000, 1000, 0.01},
+                             {"caustics", 40000, 4000, 0.03},   {"kaleidoscope", 20000, 1000, 0.02}};
   for (const Shipped& s : shipped) {
     const auto file = shipped_scene(s.name);
     if (!file) continue;

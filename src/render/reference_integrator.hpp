@@ -4,8 +4,8 @@
 namespace raylab {
 
 /// Path by path and ray by ray, as in *Ray Tracing in One Weekend*: with light samples, multiple importance sampling
-/// and Russian roulette. It takes the same samples as the wavefront and gives the same bits, several
-/// times as slowly; `--integrator reference` chooses it.
+/// and Russian roulette. It takes the same samples as the wavefront and gives the same bits, several times as slowly;
+/// `--integrator reference` chooses it.
 class ReferenceIntegrator {
  public:
   explicit ReferenceIntegrator(const ShadingScene& scene) : s_(scene) {}
